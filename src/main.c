@@ -36,7 +36,7 @@ static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *st
   PetscCall(CheckTrap());
   *status = MPM_EXIT_DONE;
   if (argc > 1 && !strcmp(argv[1], "version")) {
-    PetscCall(MpmPrintVersion());
+    MpmPrintVersion();
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (argc > 2 && !strcmp(argv[1], "help")) {
@@ -44,18 +44,22 @@ static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *st
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (argc < 2 || !strcmp(argv[1], "help")) {
-    PetscCall(MpmPrintUsage());
+    MpmPrintUsage();
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   *status = MPM_EXIT_FAILED;
   for (; MpmTasks[n].name; n++) {
     names[n] = MpmTasks[n].name;
     if (strcmp(argv[1], MpmTasks[n].name)) continue;
-    PetscCall(MpmTasks[n].run(argc - 2, argv + 2, started, status));
+    if (MpmTasks[n].work)
+      PetscCall(MpmTaskOnScene(&MpmTasks[n], argc - 2, argv + 2, started, status));
+    else
+      PetscCall(MpmTaskList(argc - 2, argv + 2));
+    if (!MpmTasks[n].work) *status = MPM_EXIT_DONE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   near = MpmSuggest(argv[1], n, names);
-  PetscCall(MpmTaskNames(sizeof known, known));
+  MpmTaskNames(sizeof known, known);
   MpmRefuse("unknown task '%s'%s%s%s; allowed: %s", argv[1], near ? "; did you mean '" : "", near ? near : "",
             near ? "'?" : "", known);
 }

@@ -100,3 +100,20 @@ void MpmPrintFailure(const char message[]);
    It returns no error: MpmFinalize asks once whether all output has arrived.
 @*/
 void MpmPrint(const char format[], ...) __attribute__((format(printf, 1, 2)));
+
+/* The rank of this process in a communicator, and how many ranks there are. Not collective. */
+static inline PetscMPIInt MpmRankOf(MPI_Comm comm)
+{
+  PetscMPIInt rank = 0;
+
+  (void)MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+
+static inline PetscMPIInt MpmRanksOf(MPI_Comm comm)
+{
+  PetscMPIInt ranks = 1;
+
+  (void)MPI_Comm_size(comm, &ranks);
+  return ranks;
+}

@@ -22,11 +22,11 @@ typedef struct {
    Not collective.
 
    Input Parameter: text - the number
-   Output Parameters:
-+  fraction - the number; not set when ok is PETSC_FALSE
--  ok       - whether the whole text is a finite number
+   Output Parameter: fraction - the number; what it has means nothing where the text is none
+
+   Returns whether the whole text is a finite number.
 @*/
-PetscErrorCode MpmFractionParse(const char text[], MpmFraction *fraction, PetscBool *ok);
+PetscBool MpmFractionParse(const char text[], MpmFraction *fraction);
 
 /*@C
    MpmFractionBetween - point j of n equally spaced points, n > 1. Point 0 is from, and point n - 1 is to.

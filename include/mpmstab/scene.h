@@ -191,7 +191,7 @@ PetscReal MpmSceneExact(const MpmScene *scene, const MpmProfile *profile, PetscI
 
 /* Not collective. The numbers of particles in the cells of the pattern, as text with commas between them. */
 #define MPM_COUNTS_TEXT (8 * MPM_MAX_COUNTS)
-PetscErrorCode MpmSceneCountsText(const MpmScene *scene, size_t room, char text[]);
+void MpmSceneCountsText(const MpmScene *scene, size_t room, char text[]);
 
 /*
    MpmSceneExponent - the exponent of the power of two by which a run divides the state at its start, so that its

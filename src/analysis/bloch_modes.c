@@ -7,6 +7,7 @@
 #include "scene/layout.h"
 #include "symbol/bloch.h"
 #include "symbol/source.h"
+#include <mpmstab/errors.h>
 #include <math.h>
 
 #define MODES (MPM_BLOCH_VECTORS / 2)

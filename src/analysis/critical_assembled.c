@@ -225,7 +225,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCritical
   (void)start; /* there is no other place to begin */
   if (!of->all_particles) PetscCall(MpmNodalMatrixUnknowns(of->layout, of->scheme, &of->step, &nodal));
   unknowns = nodal ? nodal : order;
-  PetscCall(MpmLayoutSizeText(of->layout, sizeof size, size));
+  MpmLayoutSizeText(of->layout, sizeof size, size);
   c->assembled = PETSC_TRUE;
   MpmCheckInput(unknowns <= MPM_DENSE_MANY,
                 "%s (%s): the limit is sought among all eigenvalues of %" PetscInt64_FMT

@@ -68,17 +68,15 @@ static PetscErrorCode FollowFactors(const MpmCriticalCase *of, PetscInt64 allowe
 PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way)
 {
   const PetscReal n = (PetscReal)(of->scheme->table->nstate * of->layout->particles), size = n + SMALL;
-  PetscMPIInt     rank;
   PetscInt        period;
   PetscReal       allowed;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(MpmStepPeriod(&of->step, &period));
   allowed   = MOST_WORK / (size * size * size * (period + OF_EIGENVALUES));
   way->done = PETSC_FALSE;
   if (n > MOST_ORDER || allowed < FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
-  if (rank == 0) PetscCall(FollowFactors(of, (PetscInt64)allowed, way));
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(FollowFactors(of, (PetscInt64)allowed, way));
   PetscCallMPI(MPI_Bcast(way, sizeof *way, MPI_BYTE, 0, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -354,18 +354,16 @@ static PetscErrorCode Below(Plane *p, PetscReal courant, PetscReal beta)
 
 PetscErrorCode MpmCriticalLineUnderDrift(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
-  PetscMPIInt rank, size;
-  Plane      *p;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
+  Plane            *p;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(PlaneCreate(of, &p));
   c->order = p->bloch.size;
   if (isfinite(start->unstable)) {
     PetscCall(Below(p, start->unstable, start->beta[0]));
   } else {
-    PetscCall(VisitPhases(p, rank, size));
+    PetscCall(VisitPhases(p, MpmRankOf(PETSC_COMM_WORLD), size));
     PetscCall(Gather(p, size));
     PetscCall(Refine(p));
   }
@@ -405,8 +403,7 @@ PetscErrorCode MpmCriticalLineGrowth(const MpmCriticalCase *of, MpmFinding *find
   finding->verdict = MpmVerdictOf(finding);
   if (finding->verdict == MPM_STABLE && isfinite(p->follow.doubtful)) {
     finding->verdict = MPM_UNDECIDED;
-    PetscCall(
-        MpmTextJoin(finding->evidence, ", but not all of its factors could be told apart", sizeof finding->evidence));
+    MpmTextJoin(finding->evidence, ", but not all of its factors could be told apart", sizeof finding->evidence);
   }
   PetscCall(PlaneDestroy(&p));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -70,12 +70,10 @@ static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
 /* Finds the least limit of all phases, from pi downwards. The phases are spread over the ranks. */
 static PetscErrorCode SearchPhases(Probe *p, MpmCritical *c)
 {
-  PetscReal   mine[2], *all;
-  PetscMPIInt rank, size;
+  PetscReal         mine[2], *all;
+  const PetscMPIInt rank = MpmRankOf(p->comm), size = MpmRanksOf(p->comm);
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(p->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(p->comm, &size));
   for (PetscInt m = MPM_CRITICAL_PHASES - rank; m > 0; m -= size) {
     PetscCall(SearchPhase(p, m, c));
     PetscCall(MpmProgressUpdate(&p->progress, MPM_CRITICAL_PHASES - m, MPM_CRITICAL_PHASES));
@@ -150,13 +148,11 @@ static PetscErrorCode Below(Probe *p, PetscReal courant, PetscReal beta, MpmCrit
 /* The largest growth of all phases, and of the one that grows at the case's own Courant number. Its phase is kept. */
 static PetscErrorCode GrowthOfPhases(void *context, PetscReal courant, PetscReal *growth)
 {
-  Probe      *p       = (Probe *)context;
-  PetscReal   mine[2] = {0, 0}, largest, beta;
-  PetscMPIInt rank, size;
+  Probe            *p       = (Probe *)context;
+  PetscReal         mine[2] = {0, 0}, largest, beta;
+  const PetscMPIInt rank = MpmRankOf(p->comm), size = MpmRanksOf(p->comm);
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(p->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(p->comm, &size));
   for (PetscInt m = MPM_CRITICAL_PHASES - rank; m >= 0; m -= size) {
     PetscReal g;
 

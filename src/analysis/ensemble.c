@@ -40,7 +40,7 @@ static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request, Pe
   if (request->nodal) PetscCall(MpmNodalMatrixUnknowns(&scene->layout, &scene->scheme, &scene->step, &unknowns));
   *nodal = (PetscInt)PetscMin(unknowns, PETSC_MAX_INT);
   if (!unknowns) unknowns = scene->scheme.table->nstate * scene->layout.particles;
-  PetscCall(MpmLayoutSizeText(&scene->layout, sizeof size, size));
+  MpmLayoutSizeText(&scene->layout, sizeof size, size);
   MpmCheckInput(scene->layout.jitter > 0,
                 "jitter 0: all layouts are the same without it; allowed: -jitter above 0, up to 1");
   MpmCheckInput(scene->layout.seed <= LAST_SEED - layouts + 1,

@@ -34,7 +34,7 @@ PetscErrorCode MpmFrozenSpectrum(const MpmScene *scene, const MpmRequest *reques
   finding = &(*spectrum)->finding;
   if (!(*mismatch <= MPM_MISMATCH)) {
     finding->verdict = MPM_UNDECIDED;
-    PetscCall(MpmTextJoin(finding->evidence, ", but the tangent's step is not the march's", sizeof finding->evidence));
+    MpmTextJoin(finding->evidence, ", but the tangent's step is not the march's", sizeof finding->evidence);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

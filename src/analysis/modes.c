@@ -2,6 +2,8 @@
 #include "analysis/modes.h"
 #include "linalg/dense.h"
 #include "program/program.h"
+#include "program/maps.h"
+#include <mpmstab/errors.h>
 #include <complex.h> /* before fftw3.h, which then uses C's complex numbers */
 #include <fftw3.h>
 #include <math.h>
@@ -55,8 +57,7 @@ static PetscErrorCode PlanCreate(Lens *l)
 
 static PetscErrorCode LensCreate(const MpmOperator *op, const MpmEigen *eigen, Lens *l)
 {
-  PetscMPIInt rank;
-  PC          pc;
+  PC pc;
 
   PetscFunctionBegin;
   *l = (Lens){.op = op, .dim = op->layout->dim, .vector = VectorOf(op->scheme)};
@@ -75,8 +76,7 @@ static PetscErrorCode LensCreate(const MpmOperator *op, const MpmEigen *eigen, L
   PetscCall(KSPGetPC(l->lsqr, &pc));
   PetscCall(PCSetType(pc, PCNONE));
   PetscCall(KSPSetTolerances(l->lsqr, 1e-10, 1e-14, PETSC_CURRENT, ITERATIONS));
-  PetscCallMPI(MPI_Comm_rank(PetscObjectComm((PetscObject)op->p2g), &rank));
-  if (rank == 0) PetscCall(PlanCreate(l));
+  if (MpmRankOf(PetscObjectComm((PetscObject)op->p2g)) == 0) PetscCall(PlanCreate(l));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -235,8 +235,8 @@ static PetscErrorCode TakeFastest(PetscReal tolerance, MpmNeighbourhoods *all)
       all->fastest = i;
       f->growth    = one->growth;
     }
-    PetscCall(MpmTextJoin(f->evidence, i ? ", " : " ", sizeof f->evidence));
-    PetscCall(MpmTextJoin(f->evidence, MpmNeighbourhoodNames[one->kind], sizeof f->evidence));
+    MpmTextJoin(f->evidence, i ? ", " : " ", sizeof f->evidence);
+    MpmTextJoin(f->evidence, MpmNeighbourhoodNames[one->kind], sizeof f->evidence);
   }
   f->verdict = of_verdict[MPM_UNSTABLE] ? MPM_UNSTABLE : of_verdict[MPM_UNDECIDED] ? MPM_UNDECIDED : MPM_STABLE;
   if (f->verdict == MPM_UNDECIDED) f->uncertainty = f->defective_error = INFINITY;

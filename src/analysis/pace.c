@@ -30,14 +30,14 @@ static PetscErrorCode LayoutAtRest(const MpmScene *scene, MpmScene **rest)
                           l->dim, CELLS, scene->scheme.basis->name));
   for (PetscInt a = 0; a < l->dim; a++) {
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? "," : "", l->ppc[a]));
-    PetscCall(MpmTextJoin(text, part, sizeof text));
+    MpmTextJoin(text, part, sizeof text);
   }
-  PetscCall(MpmTextJoin(text, "', offset: '", sizeof text));
+  MpmTextJoin(text, "', offset: '", sizeof text);
   for (PetscInt a = 0; a < l->dim; a++) {
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%.17g", a ? "," : "", l->offset[a].value));
-    PetscCall(MpmTextJoin(text, part, sizeof text));
+    MpmTextJoin(text, part, sizeof text);
   }
-  PetscCall(MpmTextJoin(text, "'}", sizeof text));
+  MpmTextJoin(text, "'}", sizeof text);
   PetscCall(MpmSceneFromText(text, rest));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -130,11 +130,8 @@ static PetscErrorCode GrowthThere(void *context, const MpmPatchSpot *spot, Petsc
 /* The first rank computes a value and sends it to all. */
 static PetscErrorCode Once(Patch *p, MpmPatchFunction f, const MpmPatchSpot *spot, PetscReal *value)
 {
-  PetscMPIInt rank;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) PetscCall(f(p, spot, value));
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(f(p, spot, value));
   PetscCallMPI(MPI_Bcast(value, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -146,8 +146,7 @@ static PetscErrorCode Refine(MpmResolvent *r, MpmPseudospectrum *s)
 
 static PetscErrorCode Kreiss(MpmResolvent *r, const Points *p, MpmPseudospectrum *s)
 {
-  PetscReal   found[4];
-  PetscMPIInt rank;
+  PetscReal found[4];
 
   PetscFunctionBegin;
   if (isinf(s->kreiss)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -158,8 +157,7 @@ static PetscErrorCode Kreiss(MpmResolvent *r, const Points *p, MpmPseudospectrum
     s->kreiss    = distance / p->sigma[i];
     s->kreiss_at = p->z[i];
   }
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0 && s->kreiss > 1) PetscCall(Refine(r, s));
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0 && s->kreiss > 1) PetscCall(Refine(r, s));
   found[0] = s->kreiss;
   found[1] = creal(s->kreiss_at);
   found[2] = fabs(cimag(s->kreiss_at)) > BEYOND ? fabs(cimag(s->kreiss_at)) : 0;

@@ -237,8 +237,7 @@ static PetscInt FirstOf(const Search *s)
 /* Without a threshold the limit is 0. All ranks do the same here, which counts once. */
 static PetscErrorCode Threshold(Search *s, const PetscReal bracket[2])
 {
-  const PetscInt before = s->evaluations;
-  PetscMPIInt    rank;
+  const PetscInt before   = s->evaluations;
   MpmCritical    critical = {.stable_at = bracket[0], .unstable_at = bracket[1], .threshold = PETSC_TRUE};
   Boxed          b;
 
@@ -248,8 +247,7 @@ static PetscErrorCode Threshold(Search *s, const PetscReal bracket[2])
   PetscCall(BoxedDestroy(&b));
   s->asked->fades   = critical.threshold ? PETSC_FALSE : PETSC_TRUE;
   s->asked->courant = critical.threshold ? bracket[0] : 0;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank) s->evaluations = before;
+  if (MpmRankOf(PETSC_COMM_WORLD)) s->evaluations = before;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -256,7 +256,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   if (s->scene && s->scene->layout.jitter != 0 && s->eigen->n) {
     PetscCall(
         PetscSNPrintf(seed, sizeof seed, ", of this random layout (seed %" PetscInt64_FMT ")", s->scene->layout.seed));
-    PetscCall(MpmTextJoin(f->evidence, seed, sizeof f->evidence));
+    MpmTextJoin(f->evidence, seed, sizeof f->evidence);
   }
   PetscCall(Sensitivity(s));
   f->defective_error = s->symbol ? s->symbol->defective_error : 0;
@@ -268,7 +268,7 @@ static PetscErrorCode Judge(MpmSpectrum *s)
   if (s->symbol && s->eigen->complete &&
       fabs(s->growth - s->symbol->growth) > f->tolerance * s->growth + f->uncertainty) { /* one is wrong */
     f->uncertainty = f->defective_error = INFINITY;
-    PetscCall(MpmTextJoin(f->evidence, ", but the symbol says otherwise", sizeof f->evidence));
+    MpmTextJoin(f->evidence, ", but the symbol says otherwise", sizeof f->evidence);
   }
   f->verdict = MpmVerdictOf(f);
   if (s->symbol && MpmPredictDisagrees(&s->comparison, s->symbol->growth))
@@ -292,11 +292,11 @@ static PetscErrorCode Measure(MpmSpectrum *s)
   PetscCall(MpmRunRandom(s->scene, (PetscInt64)steps, s->request->tolerance, &s->run));
   if (s->finding.verdict == MPM_STABLE && s->run->verdict == MPM_UNSTABLE) { /* operator or march is wrong */
     s->finding.verdict = MPM_UNDECIDED;
-    PetscCall(MpmTextJoin(s->finding.evidence, ", but the march grows", sizeof s->finding.evidence));
+    MpmTextJoin(s->finding.evidence, ", but the march grows", sizeof s->finding.evidence);
   }
   if (!isfinite(s->eigen->norm) && s->run->lost) {
     s->finding.verdict = MPM_UNSTABLE;
-    PetscCall(MpmTextJoin(s->finding.evidence, "; one step of the march does too", sizeof s->finding.evidence));
+    MpmTextJoin(s->finding.evidence, "; one step of the march does too", sizeof s->finding.evidence);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -425,7 +425,7 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
 
   PetscFunctionBegin;
   PetscCall(MpmNodalChoiceCheck(scene, request));
-  PetscCall(MpmLayoutSizeText(&scene->layout, sizeof size, size));
+  MpmLayoutSizeText(&scene->layout, sizeof size, size);
   if (request->nodal) PetscCall(MpmNodalMatrixUnknowns(&scene->layout, &scene->scheme, &scene->step, &nodal));
   PetscCall(TryOptions(size, scene, order, nodal, request));
   PetscCall(Begin(request, spectrum));

@@ -67,7 +67,7 @@ static PetscErrorCode SetMach(Point *at, const MpmScene *scene, const MpmFractio
   PetscFunctionBegin;
   for (PetscInt a = 0; a < at->layout.dim; a++)
     number[a] = !MpmSceneDrifts(scene) || scene->step.drift[a].value != 0 ? *value : (MpmFraction){.den = 1};
-  PetscCall(MpmMachCreate(at->layout.dim, number, &at->mach, &ok));
+  MpmMachCreate(at->layout.dim, number, &at->mach, &ok);
   if (!ok) at->mach.unit.den = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -394,15 +394,12 @@ static PetscErrorCode Explain(MpmStabilityMap *map)
   PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
                           "the symbol at %" PetscInt64_FMT " phases of each of %" PetscInt_FMT " points",
                           MpmStabilityMapPhases(map), map->points[0] * map->points[1]));
-  if (leaves_out) PetscCall(MpmTextJoin(f->evidence, ", which leave out waves of the grid", sizeof f->evidence));
-  if (map->request->refine)
-    PetscCall(MpmTextJoin(f->evidence, ", and refined phases between them", sizeof f->evidence));
+  if (leaves_out) MpmTextJoin(f->evidence, ", which leave out waves of the grid", sizeof f->evidence);
+  if (map->request->refine) MpmTextJoin(f->evidence, ", and refined phases between them", sizeof f->evidence);
   if (MpmRequestVaries(map->request, MPM_AXIS_DRIFT_ANGLE))
-    PetscCall(
-        MpmTextJoin(f->evidence, "; drifts that are turned are rounded to fractions of a cell", sizeof f->evidence));
+    MpmTextJoin(f->evidence, "; drifts that are turned are rounded to fractions of a cell", sizeof f->evidence);
   if (map->drift[0])
-    PetscCall(
-        MpmTextJoin(f->evidence, "; drifts M k are rounded to fractions with small denominators", sizeof f->evidence));
+    MpmTextJoin(f->evidence, "; drifts M k are rounded to fractions with small denominators", sizeof f->evidence);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,6 +1,7 @@
 /* The least value of a function of phases: a grid over all of them, then steps that shrink from the best places. */
 #include "analysis/zoom.h"
 #include "symbol/phases.h"
+#include <mpmstab/errors.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -126,13 +127,11 @@ static PetscBool IsNormal(const Grid *g, const PetscInt i[])
 /* Computes the values on the grid, spread over the ranks. */
 static PetscErrorCode GridCreate(const MpmZoom *zoom, MpmZoomFunction f, void *context, Grid *g)
 {
-  PetscInt    part = 0;
-  PetscMPIInt rank, size;
+  PetscInt          part = 0;
+  const PetscMPIInt rank = MpmRankOf(zoom->comm), size = MpmRanksOf(zoom->comm);
 
   PetscFunctionBegin;
   *g = (Grid){.zoom = zoom, .f = f, .context = context, .n = 1};
-  PetscCallMPI(MPI_Comm_rank(zoom->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(zoom->comm, &size));
   for (PetscInt a = 0; a < zoom->dim; a++) {
     g->lo[a]    = a == 0 || zoom->mirror[a] ? 0 : 1 - zoom->points;
     g->width[a] = zoom->points + 1 - g->lo[a];
@@ -316,14 +315,12 @@ static PetscErrorCode Choose(const MpmZoom *zoom, PetscInt n, PetscReal found[][
 
 PetscErrorCode MpmZoomLeast(const MpmZoom *zoom, MpmZoomFunction f, void *context, PetscReal beta[], PetscReal *value)
 {
-  PetscReal   found[MPM_ZOOM_STARTS][MPM_MAX_DIM + 1] = {{0}};
-  PetscInt    starts[MPM_ZOOM_STARTS], n;
-  PetscMPIInt rank, size;
-  Grid        grid;
+  PetscReal         found[MPM_ZOOM_STARTS][MPM_MAX_DIM + 1] = {{0}};
+  PetscInt          starts[MPM_ZOOM_STARTS], n;
+  const PetscMPIInt rank = MpmRankOf(zoom->comm), size = MpmRanksOf(zoom->comm);
+  Grid              grid;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(zoom->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(zoom->comm, &size));
   PetscCall(GridCreate(zoom, f, context, &grid));
   n = FindStarts(&grid, starts);
   for (PetscInt s = rank; s < n; s += size) {

@@ -9,6 +9,7 @@
 #include "base/checksum.h"
 #include "base/hash.h"
 #include "base/textfile.h"
+#include <mpmstab/errors.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -41,13 +42,11 @@ static int SumWords(FILE *file, long long begin, long long end, uint64_t *sum)
 /* Sums up the whole file; each rank reads its part. */
 static PetscErrorCode Sum(MPI_Comm comm, const char path[], long long *bytes, uint64_t *sum, int *error)
 {
-  PetscMPIInt rank, size;
-  struct stat is;
-  FILE       *file = fopen(path, "rb");
+  const PetscMPIInt rank = MpmRankOf(comm), size = MpmRanksOf(comm);
+  struct stat       is;
+  FILE             *file = fopen(path, "rb");
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
   *sum   = 0;
   *bytes = 0;
   *error = file ? 0 : errno;
@@ -82,17 +81,15 @@ static int Stamp(const char path[], const char text[])
 
 PetscErrorCode MpmChecksumWrite(MPI_Comm comm, const char path[], int *error)
 {
-  char        text[MPM_CHECKSUM_BYTES] = "";
-  PetscMPIInt rank;
-  uint64_t    sum;
-  long long   bytes;
+  char      text[MPM_CHECKSUM_BYTES] = "";
+  uint64_t  sum;
+  long long bytes;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(Sum(comm, path, &bytes, &sum, error));
   if (*error) PetscFunctionReturn(PETSC_SUCCESS);
   snprintf(text, sizeof text, header, FORMAT, bytes, (unsigned long long)sum);
-  if (rank == 0) *error = Stamp(path, text);
+  if (MpmRankOf(comm) == 0) *error = Stamp(path, text);
   PetscCallMPI(MPI_Bcast(error, 1, MPI_INT, 0, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -100,13 +97,10 @@ PetscErrorCode MpmChecksumWrite(MPI_Comm comm, const char path[], int *error)
 /* Rank 0 reads the first bytes and sends them to all ranks. Behind the end of a short file text holds zeros. */
 static PetscErrorCode ReadFirstBytes(MPI_Comm comm, const char path[], char text[], int *error)
 {
-  PetscMPIInt rank;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   memset(text, 0, MPM_CHECKSUM_BYTES + 1);
   *error = 0;
-  if (rank == 0) {
+  if (MpmRankOf(comm) == 0) {
     FILE *file = MpmFileOpen(path, error);
 
     if (file) {

@@ -81,7 +81,7 @@ static const char *Explain(PetscErrorCode code, const char function[], const cha
   if (MpmTextAdd(why, "PETSc cannot do what its options ask: %s; given: %s; allowed: see its manual pages", message,
                  given.text))
     return NULL;
-  (void)MpmTextFree(&given);
+  MpmTextFree(&given);
   return why->text;
 }
 
@@ -91,16 +91,12 @@ static const char *Explain(PetscErrorCode code, const char function[], const cha
 */
 static void WaitForFirst(void)
 {
-  PetscMPIInt rank = 0;
-
-  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  if (rank) (void)sleep(1);
+  if (MpmRankOf(PETSC_COMM_WORLD)) (void)sleep(1);
 }
 
 static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *function, const char *file,
                                      PetscErrorCode code, PetscErrorType kind, const char *message, void *context)
 {
-  PetscMPIInt rank = 0;
   const char *said = NULL;
   MpmText     why  = {NULL, 0};
 
@@ -111,10 +107,9 @@ static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *functi
     said = Explain(code, function ? function : "", message, &why);
   if (!said) return PetscTraceBackErrorHandler(comm, line, function, file, code, kind, message, context);
   if (code != PETSC_ERR_USER_INPUT) explained = code;
-  MPI_Comm_rank(comm, &rank);
   if (code == explained) WaitForFirst();
-  if (rank == 0) PrintLine(said);
-  (void)MpmTextFree(&why);
+  if (MpmRankOf(comm) == 0) PrintLine(said);
+  MpmTextFree(&why);
   return code;
 }
 
@@ -125,11 +120,8 @@ int MpmErrorsStatus(PetscErrorCode error)
 
 void MpmErrorsEnd(int status)
 {
-  PetscMPIInt size = 1;
-
-  (void)MPI_Comm_size(PETSC_COMM_WORLD, &size);
   fflush(NULL);
-  if (size == 1) _exit(status); /* MPI_Abort would print a message of its own */
+  if (MpmRanksOf(PETSC_COMM_WORLD) == 1) _exit(status); /* MPI_Abort would print a message of its own */
   MPI_Abort(PETSC_COMM_WORLD, status);
 }
 
@@ -163,19 +155,14 @@ PetscErrorCode MpmErrorsInstall(void)
 
 void MpmPrintFailure(const char message[])
 {
-  PetscMPIInt rank = 0;
-
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  if (rank == 0) PrintLine(message);
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) PrintLine(message);
 }
 
 void MpmPrint(const char format[], ...)
 {
-  PetscMPIInt rank = 0;
-  va_list     arguments;
+  va_list arguments;
 
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  if (rank) return;
+  if (MpmRankOf(PETSC_COMM_WORLD)) return;
   va_start(arguments, format);
   (void)vprintf(format, arguments);
   va_end(arguments);

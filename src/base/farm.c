@@ -1,14 +1,13 @@
 /* Task farm: the ranks take the parts of some work in turn, and sums give the results to all ranks. */
 #include "base/farm.h"
+#include <mpmstab/errors.h>
 
 PetscErrorCode MpmFarm(const char unit[], PetscInt n, MpmPart part, void *context)
 {
-  PetscMPIInt rank, size;
-  MpmProgress progress;
+  const PetscMPIInt rank = MpmRankOf(PETSC_COMM_WORLD), size = MpmRanksOf(PETSC_COMM_WORLD);
+  MpmProgress       progress;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(MpmProgressBegin(unit, &progress));
   for (PetscInt i = rank; i < n; i += size) {
     PetscCall(part(context, i));

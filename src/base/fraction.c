@@ -71,28 +71,24 @@ static PetscBool ParseDecimal(const char text[], MpmFraction *f)
   return PETSC_TRUE;
 }
 
-PetscErrorCode MpmFractionParse(const char text[], MpmFraction *fraction, PetscBool *ok)
+PetscBool MpmFractionParse(const char text[], MpmFraction *fraction)
 {
   const char *end;
   char       *stop;
   PetscInt64  num, den;
 
-  PetscFunctionBegin;
-  *ok = PETSC_FALSE;
   if (strchr(text, '/')) {
-    if (!ParseInteger(text, &end, &num) || *end != '/') PetscFunctionReturn(PETSC_SUCCESS);
-    if (!ParseInteger(end + 1, &end, &den) || *end || den <= 0) PetscFunctionReturn(PETSC_SUCCESS);
+    if (!ParseInteger(text, &end, &num) || *end != '/') return PETSC_FALSE;
+    if (!ParseInteger(end + 1, &end, &den) || *end || den <= 0) return PETSC_FALSE;
     Reduce(fraction, num, den);
-    *ok = PETSC_TRUE;
-    PetscFunctionReturn(PETSC_SUCCESS);
+    return PETSC_TRUE;
   }
-  if (!*text || isspace((unsigned char)*text) || strpbrk(text, "xX")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!*text || isspace((unsigned char)*text) || strpbrk(text, "xX")) return PETSC_FALSE;
   fraction->value = strtod(text, &stop);
   fraction->num = fraction->den = 0;
-  if (*stop || !isfinite(fraction->value)) PetscFunctionReturn(PETSC_SUCCESS);
-  *ok = PETSC_TRUE;
+  if (*stop || !isfinite(fraction->value)) return PETSC_FALSE;
   (void)ParseDecimal(text, fraction);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return PETSC_TRUE;
 }
 
 MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, PetscInt j, PetscInt n)

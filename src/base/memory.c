@@ -48,7 +48,7 @@ PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes)
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
-  PetscCallMPI(MPI_Comm_size(machine, &here));
+  here = MpmRanksOf(machine);
   PetscCallMPI(MPI_Comm_free(&machine));
   *bytes = Available(here) / here;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bytes, 1, MPIU_REAL, MPI_MIN, comm));
@@ -57,12 +57,11 @@ PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes)
 
 PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes, const char what[])
 {
-  PetscMPIInt ranks;
-  PetscReal   least;
+  const PetscMPIInt ranks = MpmRanksOf(comm);
+  PetscReal         least;
 
   PetscFunctionBegin;
   if (bytes < PLENTY) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(MpmMemoryOfRank(comm, &least));
   MpmCheckInput(bytes / ranks <= least,
                 "%s: %s needs about %.2g GB, %.2g GB on each of %d "
@@ -71,17 +70,15 @@ PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMemoryRoom(PetscReal bytes, size_t room, char why[])
+void MpmMemoryRoom(PetscReal bytes, size_t room, char why[])
 {
   PetscReal available;
 
-  PetscFunctionBegin;
-  if (bytes < PLENTY) PetscFunctionReturn(PETSC_SUCCESS);
+  if (bytes < PLENTY) return;
   available = Available(1);
   if (!(bytes <= available))
-    PetscCall(PetscSNPrintf(why, room, "to read it takes about %.2g GB; allowed: %.2g GB, which is what is left here",
-                            bytes / GB, available / GB));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(why, room, "to read it takes about %.2g GB; allowed: %.2g GB, which is what is left here",
+                   bytes / GB, available / GB);
 }
 
 PetscErrorCode MpmMemoryCheckLapack(void)

@@ -23,7 +23,7 @@ PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes);
 
    Not collective.
 */
-PetscErrorCode MpmMemoryRoom(PetscReal bytes, size_t room, char why[]);
+void MpmMemoryRoom(PetscReal bytes, size_t room, char why[]);
 
 /*
    MpmMemoryCheckLapack - refuses when the shell grants less address space (ulimit -v) than the buffer that OpenBLAS

@@ -1,5 +1,6 @@
 /* A progress line on standard error. */
 #include "base/progress.h"
+#include <mpmstab/errors.h>
 #include <unistd.h>
 
 #define SILENT_S 2.0 /* shorter work shows nothing, unless -progress true asks for it */
@@ -17,13 +18,10 @@ void MpmProgressShow(MpmProgressWish who)
 
 PetscErrorCode MpmProgressBegin(const char unit[], MpmProgress *progress)
 {
-  PetscMPIInt rank;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   progress->unit    = unit;
   progress->owns    = taken ? PETSC_FALSE : PETSC_TRUE;
-  progress->enabled = !rank && !taken && wish != MPM_PROGRESS_NEVER ? PETSC_TRUE : PETSC_FALSE;
+  progress->enabled = !MpmRankOf(PETSC_COMM_WORLD) && !taken && wish != MPM_PROGRESS_NEVER ? PETSC_TRUE : PETSC_FALSE;
   progress->lines   = wish == MPM_PROGRESS_ON_TERMINAL && !isatty(STDERR_FILENO) ? PETSC_TRUE : PETSC_FALSE;
   progress->between = progress->lines ? BETWEEN_LINES_S : BETWEEN_S;
   progress->shown   = PETSC_FALSE;

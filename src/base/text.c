@@ -41,21 +41,17 @@ PetscErrorCode MpmTextAdd(MpmText *text, const char format[], ...)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTextFree(MpmText *text)
+void MpmTextFree(MpmText *text)
 {
-  PetscFunctionBegin;
   free(text->text);
   *text = (MpmText){NULL, 0};
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTextJoin(char text[], const char more[], size_t room)
+void MpmTextJoin(char text[], const char more[], size_t room)
 {
   const size_t used = strlen(text), length = strlen(more);
 
-  PetscFunctionBegin;
   memcpy(text + used, more, PetscMin(length, room - 1 - used));
   text[PetscMin(used + length, room - 1)] = '\0';
   if (used + length > room - 1 && room > sizeof MORE) memcpy(text + room - sizeof MORE, MORE, sizeof MORE);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

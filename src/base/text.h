@@ -14,7 +14,7 @@ typedef struct {
 
 /* Not collective. Adds what the printf format and its arguments say. Free the text when it is no longer needed. */
 PetscErrorCode MpmTextAdd(MpmText *text, const char format[], ...) __attribute__((format(printf, 2, 3)));
-PetscErrorCode MpmTextFree(MpmText *text);
+void           MpmTextFree(MpmText *text);
 
 /* Not collective. The text that a printf format makes, to be freed with free(); NULL: there is no memory. */
 char *MpmTextMade(const char format[], va_list arguments) __attribute__((format(printf, 1, 0)));
@@ -26,4 +26,4 @@ char *MpmTextMade(const char format[], va_list arguments) __attribute__((format(
 
    Not collective.
 */
-PetscErrorCode MpmTextJoin(char text[], const char more[], size_t room);
+void MpmTextJoin(char text[], const char more[], size_t room);

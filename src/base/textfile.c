@@ -50,10 +50,7 @@ static PetscErrorCode ShareErrno(MPI_Comm comm, int *error)
 
 static PetscBool IsFirst(void)
 {
-  PetscMPIInt rank = 0;
-
-  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  return rank == 0 ? PETSC_TRUE : PETSC_FALSE;
+  return MpmRankOf(PETSC_COMM_WORLD) == 0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 PetscErrorCode MpmFileCheck(const char name[], const char path[])
@@ -84,13 +81,10 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[])
 
 PetscErrorCode MpmFileCreate(MPI_Comm comm, const char path[], char part[PETSC_MAX_PATH_LEN], int *error)
 {
-  PetscMPIInt rank;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   part[0] = '\0';
   *error  = 0;
-  if (rank == 0) *error = MpmUnfinishedCreate(path, part);
+  if (MpmRankOf(comm) == 0) *error = MpmUnfinishedCreate(path, part);
   PetscCall(ShareErrno(comm, error));
   PetscCallMPI(MPI_Bcast(part, PETSC_MAX_PATH_LEN, MPI_CHAR, 0, comm));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -98,12 +92,9 @@ PetscErrorCode MpmFileCreate(MPI_Comm comm, const char path[], char part[PETSC_M
 
 PetscErrorCode MpmFileFinish(MPI_Comm comm, const char path[], const char part[], int *error)
 {
-  PetscMPIInt rank;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   *error = 0;
-  if (rank == 0) *error = MpmUnfinishedFinish(part, path);
+  if (MpmRankOf(comm) == 0) *error = MpmUnfinishedFinish(part, path);
   PetscCall(ShareErrno(comm, error));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -139,7 +130,7 @@ PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file)
   int error;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(file->path, path, sizeof file->path));
+  (void)snprintf(file->path, sizeof file->path, "%s", path);
   PetscCall(MpmFileCreate(PETSC_COMM_WORLD, path, file->part, &error));
   file->stream = NULL;
   if (!error && IsFirst()) error = OpenStream(file);

@@ -63,7 +63,7 @@ PetscErrorCode MpmFindingOfPhases(MpmFinding *f, PetscInt phases, PetscInt cells
 
   PetscFunctionBegin;
   if (f->verdict != MPM_STABLE || phases % cells == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(words, sizeof words, "they leave out waves of the grid of %" PetscInt_FMT " cells", cells));
+  (void)snprintf(words, sizeof words, "they leave out waves of the grid of %" PetscInt_FMT " cells", cells);
   PetscCall(MpmFindingDispute(f, words));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -55,12 +55,10 @@ static FILE *Open(const char path[])
 /* Rank 0 reads and every rank gets the same bytes, so that all of them refuse the same thing. */
 static PetscErrorCode ReadBytes(const char what[], const char path[], char bytes[], PetscInt *size)
 {
-  PetscMPIInt rank;
-  int         answer[2] = {0, 0}; /* size, errno */
+  int answer[2] = {0, 0}; /* size, errno */
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) {
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) {
     FILE *file = Open(path);
 
     if (file) {

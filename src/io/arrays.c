@@ -12,7 +12,7 @@ PetscErrorCode MpmArraysAdd(MpmArrays *arrays, const char name[], int dims, cons
   PetscFunctionBegin;
   PetscCheck(arrays->n < MPM_MOST_ARRAYS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MOST_ARRAYS");
   *a = (MpmArray){.dims = dims, .n = dims < 0 ? 0 : 1};
-  PetscCall(PetscStrncpy(a->name, name, sizeof a->name));
+  (void)snprintf(a->name, sizeof a->name, "%s", name);
   for (int i = 0; i < dims; i++) {
     a->shape[i] = shape[i];
     a->n *= shape[i];

@@ -10,21 +10,19 @@
 #define PATH_TEXT 160
 
 /* The group that has an array: "" for the root, else "/NAME"; the root if none has it. */
-static PetscErrorCode FindGroup(const MpmHdf5 *file, const char first[], char group[PATH_TEXT])
+static void FindGroup(const MpmHdf5 *file, const char first[], char group[PATH_TEXT])
 {
   char name[64], path[PATH_TEXT];
 
-  PetscFunctionBegin;
   group[0] = '\0';
-  if (MpmHdf5Has(file, first)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmHdf5Has(file, first)) return;
   for (PetscInt i = 0; MpmHdf5Group(file, i, sizeof name, name); i++) {
     if (!name[0]) continue;
-    PetscCall(PetscSNPrintf(path, sizeof path, "/%s/%s", name, first));
+    (void)snprintf(path, sizeof path, "/%s/%s", name, first);
     if (!MpmHdf5Has(file, path)) continue;
-    PetscCall(PetscSNPrintf(group, PATH_TEXT, "/%s", name));
+    (void)snprintf(group, PATH_TEXT, "/%s", name);
     break;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Reads what has a name in a group: a dataset of numbers, or an attribute that is one number or a text. */
@@ -39,24 +37,24 @@ static PetscErrorCode ReadNamed(MpmHdf5 *file, const char group[], const char na
   MpmArray   *a;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(path, sizeof path, "%s/%s", group, name));
+  (void)snprintf(path, sizeof path, "%s/%s", group, name);
   if (MpmHdf5Has(file, path)) {
     if (!MpmHdf5Array(file, path, MPM_ARRAY_DIMS, &dims, shape)) {
-      PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                              "array %s; allowed: whole or real numbers in up to %d dimensions, in a whole file", name,
-                              MPM_ARRAY_DIMS));
+      (void)snprintf(why, MPM_WHY_TEXT,
+                     "array %s; allowed: whole or real numbers in up to %d dimensions, in a whole file", name,
+                     MPM_ARRAY_DIMS);
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     for (int d = 0; d < dims; d++) bytes *= (PetscReal)shape[d];
-    PetscCall(MpmMemoryRoom(bytes, MPM_WHY_TEXT, why));
+    MpmMemoryRoom(bytes, MPM_WHY_TEXT, why);
     if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
     PetscCall(MpmArraysAdd(arrays, name, dims, shape, &a));
-    PetscCall(MpmHdf5ReadArray(file, path, a->real));
+    MpmHdf5ReadArray(file, path, a->real);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (MpmHdf5ReadText(file, object, name, sizeof text, text)) {
     PetscCall(MpmArraysAdd(arrays, name, -1, NULL, &a));
-    PetscCall(PetscStrncpy(a->text, text, sizeof a->text));
+    (void)snprintf(a->text, sizeof a->text, "%s", text);
   } else if (MpmHdf5ReadAttribute(file, object, name, H5T_NATIVE_DOUBLE, &number)) {
     PetscCall(MpmArraysAdd(arrays, name, 0, NULL, &a));
     a->real[0] = number;
@@ -82,10 +80,10 @@ PetscErrorCode MpmArraysReadHdf5(const char path[], const char *const names[], M
   why[0]  = '\0';
   PetscCall(MpmHdf5Open(PETSC_COMM_SELF, path, &file));
   if (file.file >= 0) {
-    PetscCall(FindGroup(&file, names[0], group));
+    FindGroup(&file, names[0], group);
     for (int k = 0; names[k] && !why[0]; k++) PetscCall(ReadNamed(&file, group, names[k], arrays, why));
   }
   PetscCall(MpmHdf5Close(&file, &failed));
-  if (failed && !why[0]) PetscCall(PetscStrncpy(why, "HDF5 cannot read it; allowed: a whole file", MPM_WHY_TEXT));
+  if (failed && !why[0]) (void)snprintf(why, MPM_WHY_TEXT, "%s", "HDF5 cannot read it; allowed: a whole file");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

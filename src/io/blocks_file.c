@@ -12,38 +12,32 @@
 
 #define FARTHEST 1e6 /* cells that a block may reach */
 
-static PetscErrorCode CheckShapes(const MpmArray *d, const MpmArray *A, char why[MPM_WHY_TEXT])
+static void CheckShapes(const MpmArray *d, const MpmArray *A, char why[MPM_WHY_TEXT])
 {
-  PetscFunctionBegin;
   if (!d || !A || A->dims != 3 || d->dims < 1 || d->dims > 2 || d->shape[0] != A->shape[0])
-    PetscCall(PetscStrncpy(why, "it has no blocks; allowed: arrays d (blocks x directions) and A (blocks x N x N)",
-                           MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s",
+                   "it has no blocks; allowed: arrays d (blocks x directions) and A (blocks x N x N)");
   else if (A->shape[1] != A->shape[2] || A->n == 0)
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                            "its blocks are %" PetscInt64_FMT " of %" PetscInt64_FMT " x %" PetscInt64_FMT
-                            "; allowed: at least one, and square",
-                            A->shape[0], A->shape[1], A->shape[2]));
+    (void)snprintf(why, MPM_WHY_TEXT,
+                   "its blocks are %" PetscInt64_FMT " of %" PetscInt64_FMT " x %" PetscInt64_FMT
+                   "; allowed: at least one, and square",
+                   A->shape[0], A->shape[1], A->shape[2]);
   else if (A->shape[1] > MPM_BLOCKS_SIZE || A->n > MPM_BLOCKS_NUMBERS)
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                            "blocks of order %" PetscInt64_FMT
-                            ", %.3g numbers; allowed: up to order %d, and up to %.2g "
-                            "numbers",
-                            A->shape[1], (PetscReal)A->n, MPM_BLOCKS_SIZE, MPM_BLOCKS_NUMBERS));
+    (void)snprintf(why, MPM_WHY_TEXT,
+                   "blocks of order %" PetscInt64_FMT ", %.3g numbers; allowed: up to order %d, and up to %.2g "
+                   "numbers",
+                   A->shape[1], (PetscReal)A->n, MPM_BLOCKS_SIZE, MPM_BLOCKS_NUMBERS);
   else if (d->dims == 2 && (d->shape[1] < 1 || d->shape[1] > MPM_MAX_DIM))
-    PetscCall(
-        PetscSNPrintf(why, MPM_WHY_TEXT, "%" PetscInt64_FMT " directions; allowed: 1 to %d", d->shape[1], MPM_MAX_DIM));
+    (void)snprintf(why, MPM_WHY_TEXT, "%" PetscInt64_FMT " directions; allowed: 1 to %d", d->shape[1], MPM_MAX_DIM);
   else if (!MpmArrayIsWhole(d, -FARTHEST))
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array d; allowed: whole numbers of cells from -%g to %g", FARTHEST,
-                            FARTHEST));
+    (void)snprintf(why, MPM_WHY_TEXT, "array d; allowed: whole numbers of cells from -%g to %g", FARTHEST, FARTHEST);
   for (PetscInt64 i = 0; !why[0] && i < d->n; i++)
     if (d->real[i] > FARTHEST)
-      PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array d; allowed: whole numbers of cells from -%g to %g", FARTHEST,
-                              FARTHEST));
+      (void)snprintf(why, MPM_WHY_TEXT, "array d; allowed: whole numbers of cells from -%g to %g", FARTHEST, FARTHEST);
   for (PetscInt64 i = 0; !why[0] && i < A->n; i++)
     if (!isfinite(A->real[i]))
-      PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array A: number %" PetscInt64_FMT " is %s; allowed: finite numbers",
-                              i + 1, isnan(A->real[i]) ? "nan" : "infinite"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+      (void)snprintf(why, MPM_WHY_TEXT, "array A: number %" PetscInt64_FMT " is %s; allowed: finite numbers", i + 1,
+                     isnan(A->real[i]) ? "nan" : "infinite");
 }
 
 /* Takes blocks out of arrays. steps: 0 where the file does not say. */
@@ -53,11 +47,11 @@ static PetscErrorCode FromArrays(const MpmArrays *arrays, MpmBlocks *b, char why
                  *steps = MpmArraysFind(arrays, "steps"), *width = MpmArraysFind(arrays, "cell_width");
 
   PetscFunctionBegin;
-  PetscCall(CheckShapes(d, A, why));
+  CheckShapes(d, A, why);
   if (!why[0] && steps && (steps->n != 1 || !MpmArrayIsWhole(steps, 1) || steps->real[0] > MPM_MATRIX_MOST_STEPS))
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "steps; allowed: one whole number from 1 to %d", MPM_MATRIX_MOST_STEPS));
+    (void)snprintf(why, MPM_WHY_TEXT, "steps; allowed: one whole number from 1 to %d", MPM_MATRIX_MOST_STEPS);
   if (!why[0] && width && (width->n != 1 || !(width->real[0] > 0) || isinf(width->real[0])))
-    PetscCall(PetscStrncpy(why, "cell_width; allowed: one number greater than 0", MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s", "cell_width; allowed: one number greater than 0");
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   *b = (MpmBlocks){.dim        = d->dims == 1 ? 1 : (PetscInt)d->shape[1],
                    .size       = (PetscInt)A->shape[1],
@@ -79,7 +73,7 @@ static PetscErrorCode FromMatrix(FILE *stream, MpmHooked *hooked, MpmBlocks *b, 
   rewind(stream);
   MpmHookedBegin(&entries.hooked);
   PetscCall(MpmMatrixReadText(stream, &entries, why));
-  if (!why[0]) PetscCall(MpmEntriesCheck(&entries, why));
+  if (!why[0]) MpmEntriesCheck(&entries, why);
   if (!why[0]) PetscCall(MpmBlocksOfMatrix(&entries, b, why));
   *hooked   = entries.hooked;
   hooked->x = NULL;
@@ -100,10 +94,10 @@ static PetscErrorCode ReadFile(const char path[], MpmHooked *hooked, MpmBlocks *
   PetscFunctionBegin;
   if (stream) PetscCall(MpmHdf5Is(path, &hdf5));
   if (!stream || fread(begin, 1, sizeof begin, stream) != sizeof begin)
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read",
-                            !stream          ? MpmFileReason(error)
-                            : ferror(stream) ? strerror(errno)
-                                             : "it is empty"));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read",
+                   !stream          ? MpmFileReason(error)
+                   : ferror(stream) ? strerror(errno)
+                                    : "it is empty");
   else if (!memcmp(begin, "PK", sizeof begin))
     PetscCall(MpmArraysReadNpz(path, names, &arrays, why));
   else if (hdf5)
@@ -111,9 +105,9 @@ static PetscErrorCode ReadFile(const char path[], MpmHooked *hooked, MpmBlocks *
   else if (!memcmp(begin, "%%", sizeof begin))
     PetscCall(FromMatrix(stream, hooked, b, why));
   else
-    PetscCall(PetscStrncpy(
-        why, "its format is not known; allowed: HDF5, .npz of numpy.savez, or a matrix that the hook has written",
-        MPM_WHY_TEXT));
+    (void)snprintf(
+        why, MPM_WHY_TEXT, "%s",
+        "its format is not known; allowed: HDF5, .npz of numpy.savez, or a matrix that the hook has written");
   if (!why[0] && !b->n) PetscCall(FromArrays(&arrays, b, why));
   PetscCall(MpmArraysFree(&arrays));
   if (stream) (void)fclose(stream);
@@ -123,15 +117,14 @@ static PetscErrorCode ReadFile(const char path[], MpmHooked *hooked, MpmBlocks *
 PetscErrorCode MpmBlocksRead(MPI_Comm comm, const char path[], PetscInt steps, PetscReal tolerance, MpmCertificates *c,
                              MpmBlocks *b)
 {
-  char        why[MPM_WHY_TEXT] = "";
-  PetscInt    sizes[4];
-  MpmHooked   hooked;
-  PetscMPIInt rank;
+  char              why[MPM_WHY_TEXT] = "";
+  PetscInt          sizes[4];
+  MpmHooked         hooked;
+  const PetscMPIInt rank = MpmRankOf(comm);
 
   PetscFunctionBegin;
   *b = (MpmBlocks){.n = 0};
   MpmHookedBegin(&hooked);
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   if (rank == 0) PetscCall(ReadFile(path, &hooked, b, why));
   PetscCallMPI(MPI_Bcast(why, MPM_WHY_TEXT, MPI_CHAR, 0, comm));
   MpmCheckInput(!why[0], "-matrix_blocks %s: %s", path, why);
@@ -157,19 +150,18 @@ PetscErrorCode MpmBlocksRead(MPI_Comm comm, const char path[], PetscInt steps, P
 
 static PetscErrorCode WriteHdf5(const char path[], const MpmBlocks *b)
 {
-  PetscMPIInt rank;
-  MpmDataFile file;
-  hid_t       whole;
+  const PetscMPIInt rank = MpmRankOf(PETSC_COMM_WORLD);
+  MpmDataFile       file;
+  hid_t             whole;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(MpmDataFileCreate(PETSC_COMM_WORLD, path, &file)); /* first, as it prepares HDF5 */
   whole = sizeof(PetscInt) == sizeof(int32_t) ? H5T_NATIVE_INT32 : H5T_NATIVE_INT64;
   PetscCall(MpmHdf5WriteRows(&file.hdf5, "/d", whole, rank ? 0 : b->n, 1, &b->dim, b->d));
   PetscCall(MpmHdf5WriteRows(&file.hdf5, "/A", H5T_NATIVE_DOUBLE, rank ? 0 : b->n, 2,
                              (const PetscInt[]){b->size, b->size}, b->A));
-  PetscCall(MpmHdf5WriteInteger(&file.hdf5, "/", "steps", b->period));
-  if (b->cell_width > 0) PetscCall(MpmHdf5WriteReal(&file.hdf5, "/", "cell_width", b->cell_width));
+  MpmHdf5WriteInteger(&file.hdf5, "/", "steps", b->period);
+  if (b->cell_width > 0) MpmHdf5WriteReal(&file.hdf5, "/", "cell_width", b->cell_width);
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

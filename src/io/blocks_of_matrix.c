@@ -28,32 +28,28 @@ typedef struct {
   PetscInt         width, middle, reach[MPM_MAX_DIM];
 } Felt;
 
-static PetscErrorCode CheckSaid(const MpmEntries *e, char why[MPM_WHY_TEXT])
+static void CheckSaid(const MpmEntries *e, char why[MPM_WHY_TEXT])
 {
   const MpmHooked *h = &e->hooked;
 
-  PetscFunctionBegin;
   if (!h->places || h->dim < 1 || !(h->cell_width > 0))
-    PetscCall(PetscStrncpy(why,
-                           "it does not say where its particles are; allowed: a matrix that the hook has written, with "
-                           "a place, or blocks in HDF5 or .npz",
-                           MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s",
+                   "it does not say where its particles are; allowed: a matrix that the hook has written, with "
+                   "a place, or blocks in HDF5 or .npz");
   else if (!(h->numbers >= 1) || h->numbers * (PetscReal)h->places != (PetscReal)e->rows)
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                            "%" PetscInt64_FMT " particles with %.6g numbers, and order %" PetscInt64_FMT
-                            "; allowed: as many unknowns as its particles have numbers",
-                            h->places, h->numbers, e->rows));
+    (void)snprintf(why, MPM_WHY_TEXT,
+                   "%" PetscInt64_FMT " particles with %.6g numbers, and order %" PetscInt64_FMT
+                   "; allowed: as many unknowns as its particles have numbers",
+                   h->places, h->numbers, e->rows);
   else if (h->place_dim != h->dim || (h->scales && (PetscReal)h->scales != h->numbers) ||
            h->scales > MPM_HOOKED_NUMBERS)
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                            "places of %" PetscInt_FMT " numbers, a period of %" PetscInt_FMT " and %" PetscInt64_FMT
-                            " scales of %.6g numbers; allowed: as many of each as belong together",
-                            h->place_dim, h->dim, h->scales, h->numbers));
+    (void)snprintf(why, MPM_WHY_TEXT,
+                   "places of %" PetscInt_FMT " numbers, a period of %" PetscInt_FMT " and %" PetscInt64_FMT
+                   " scales of %.6g numbers; allowed: as many of each as belong together",
+                   h->place_dim, h->dim, h->scales, h->numbers);
   else if (e->steps > MPM_MATRIX_MOST_STEPS)
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                            "it says that it covers %" PetscInt64_FMT " steps; allowed: from 1 to %d", e->steps,
-                            MPM_MATRIX_MOST_STEPS));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(why, MPM_WHY_TEXT, "it says that it covers %" PetscInt64_FMT " steps; allowed: from 1 to %d",
+                   e->steps, MPM_MATRIX_MOST_STEPS);
 }
 
 /* Without a period cells begin at the first particle. */
@@ -76,7 +72,7 @@ static PetscErrorCode FindCells(Felt *l, char why[MPM_WHY_TEXT])
   PetscCall(MpmProbeLatticeFind(&places, &l->cells, MPM_WHY_TEXT, why));
   for (PetscInt a = 0; a < h->dim; a++)
     if (h->period[a] > 0 && !l->cells.wraps[a])
-      PetscCall(PetscStrncpy(why, "some cells have none of the particles", MPM_WHY_TEXT));
+      (void)snprintf(why, MPM_WHY_TEXT, "%s", "some cells have none of the particles");
   PetscCall(PetscFree(at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -175,14 +171,13 @@ static PetscErrorCode Take(Felt *l, const MpmEntries *e, MpmBlocks *b, char why[
 
   PetscFunctionBegin;
   if (!FindReach(l, e, &largest))
-    PetscCall(PetscStrncpy(why, "a step reaches so far that the grid has no cell away from its edges", MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s", "a step reaches so far that the grid has no cell away from its edges");
   *b = (MpmBlocks){
       .dim = l->said->dim, .size = order, .n = 1, .period = (PetscInt)e->steps, .cell_width = l->said->cell_width};
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) b->n *= 2 * l->reach[a] + 1;
   n *= (size_t)b->n;
   if (!why[0] && (order > MPM_BLOCKS_SIZE || (PetscReal)n > MPM_BLOCKS_NUMBERS))
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "blocks of order %" PetscInt_FMT "; allowed: up to %d", order,
-                            MPM_BLOCKS_SIZE));
+    (void)snprintf(why, MPM_WHY_TEXT, "blocks of order %" PetscInt_FMT "; allowed: up to %d", order, MPM_BLOCKS_SIZE);
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmBlocksAllocate(b));
   PetscCall(PetscArrayzero(b->A, n));
@@ -198,8 +193,8 @@ static PetscErrorCode Take(Felt *l, const MpmEntries *e, MpmBlocks *b, char why[
   }
   differ = Differ(l, e, b->A, n);
   if (!(differ <= alike * largest)) {
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "its cells differ by %.2g of their largest entry; allowed: up to %.2g",
-                            differ / largest, alike));
+    (void)snprintf(why, MPM_WHY_TEXT, "its cells differ by %.2g of their largest entry; allowed: up to %.2g",
+                   differ / largest, alike);
     PetscCall(MpmBlocksFree(b));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -210,7 +205,7 @@ PetscErrorCode MpmBlocksOfMatrix(MpmEntries *e, MpmBlocks *b, char why[MPM_WHY_T
   Felt l = {.said = &e->hooked, .width = (PetscInt)e->hooked.numbers};
 
   PetscFunctionBegin;
-  PetscCall(CheckSaid(e, why));
+  CheckSaid(e, why);
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(FindCells(&l, why));
   MpmEntriesToScales(e);

@@ -19,11 +19,8 @@
 /* Writes an array that the first rank holds whole. */
 static PetscErrorCode FromFirst(MpmHdf5 *s, const char name[], hid_t type, PetscInt64 n, const void *values)
 {
-  PetscMPIInt rank;
-
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(s->comm, &rank));
-  PetscCall(MpmHdf5Write(s, name, type, rank ? 0 : n, 1, values));
+  PetscCall(MpmHdf5Write(s, name, type, MpmRankOf(s->comm) ? 0 : n, 1, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -82,44 +79,111 @@ static PetscErrorCode WriteRun(MpmHdf5 *s, const MpmMarch *march, const MpmRun *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes cells as those of the whole grid, since local ones mean nothing on another number of ranks. */
-static PetscErrorCode WriteCells(MpmHdf5 *s, const MpmMarch *march, PetscInt a)
+static PetscErrorCode Require(MpmHdf5 *s, const char path[], const char name[], hid_t type, PetscInt64 length)
 {
-  const PetscInt  n = march->particles->count;
-  const PetscInt *cell;
-  PetscInt64     *global;
+  PetscInt64 has;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
-  PetscCall(PetscMalloc1(n, &global));
-  for (PetscInt p = 0; p < n; p++) global[p] = (PetscInt64)march->grid->axis[a].first + cell[p];
-  PetscCall(MpmHdf5Write(s, MpmFieldCell[a], H5T_NATIVE_INT64, n, 1, global));
-  PetscCall(PetscFree(global));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
+  PetscCall(MpmHdf5Length(s, name, type, &has));
+  MpmCheckInput(has >= 0 && (length == ANY || has == length),
+                "checkpoint %s: no array '%s' of the right length in it; allowed: one that 'mpmstab run' has written",
+                path, name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteField(MpmHdf5 *s, const MpmParticles *particles, const char name[], hid_t type)
+/* The part of the file's particles and nodes that this rank reads. same: each rank reads what it wrote itself. */
+typedef struct {
+  PetscBool  same;
+  PetscInt64 begin, n, node, nodes;
+} Share;
+
+/* Writes an array of particles, or of nodes; with a share it reads that part of it. */
+static PetscErrorCode Exchange(MpmHdf5 *s, const Share *share, PetscBool of_nodes, const char name[], hid_t type,
+                               PetscInt64 n, void *values)
+{
+  PetscFunctionBegin;
+  if (!share)
+    PetscCall(MpmHdf5Write(s, name, type, n, 1, values));
+  else
+    MpmHdf5Read(s, name, type, of_nodes ? share->node : share->begin, of_nodes ? share->nodes : share->n, values);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ExchangeField(MpmHdf5 *s, const Share *share, const MpmParticles *particles, const char name[],
+                                    hid_t type)
 {
   void *values;
 
   PetscFunctionBegin;
   PetscCall(MpmParticlesGet(particles, name, &values));
-  PetscCall(MpmHdf5Write(s, name, type, particles->count, 1, values));
+  PetscCall(Exchange(s, share, PETSC_FALSE, name, type, particles->count, values));
   PetscCall(MpmParticlesRestore(particles, name, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteNode(MpmHdf5 *s, const char name[], Vec node)
+/* Cells in a file are those of the whole grid, since local ones mean nothing on another number of ranks. */
+static PetscErrorCode ExchangeCells(MpmHdf5 *s, const Share *share, const MpmMarch *march, PetscInt a)
 {
-  const PetscReal *values;
-  PetscInt         n;
+  const MpmGridAxis *axis = &march->grid->axis[a];
+  const PetscInt     n = march->particles->count, most = march->particles->own ? axis->cells : 0; /* in ghosts */
+  PetscInt          *cell;
+  PetscInt64        *global;
 
   PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
+  PetscCall(PetscCalloc1(n, &global));
+  for (PetscInt p = 0; p < n && !share; p++) global[p] = (PetscInt64)axis->first + cell[p];
+  PetscCall(Exchange(s, share, PETSC_FALSE, MpmFieldCell[a], H5T_NATIVE_INT64, n, global));
+  for (PetscInt p = 0; p < n && share; p++) /* a cell off the grid stays off and is refused later */
+    cell[p] = (PetscInt)PetscClipInterval(global[p], -2 - most, axis->cells + most) - axis->first;
+  PetscCall(PetscFree(global));
+  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ExchangeParticles(MpmHdf5 *s, const Share *share, const MpmMarch *march)
+{
+  const MpmParticles *particles = march->particles;
+
+  PetscFunctionBegin;
+  PetscCall(ExchangeField(s, share, particles, DMSwarmField_pid, H5T_NATIVE_INT64));
+  for (PetscInt a = 0; a < march->layout->dim; a++) {
+    PetscCall(ExchangeField(s, share, particles, MpmFieldXi[a], H5T_NATIVE_DOUBLE));
+    PetscCall(ExchangeCells(s, share, march, a));
+  }
+  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
+    PetscCall(ExchangeField(s, share, particles, march->scheme->table->fields[f], H5T_NATIVE_DOUBLE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* path: of the file that is read. length: of an array in it. */
+static PetscErrorCode ExchangeNode(MpmHdf5 *s, const char path[], const Share *share, PetscInt64 length,
+                                   const char name[], Vec node)
+{
+  PetscReal *values;
+  PetscInt   n;
+
+  PetscFunctionBegin;
+  if (share) PetscCall(Require(s, path, name, H5T_NATIVE_DOUBLE, length));
   PetscCall(VecGetLocalSize(node, &n));
-  PetscCall(VecGetArrayRead(node, &values));
-  PetscCall(MpmHdf5Write(s, name, H5T_NATIVE_DOUBLE, n, 1, values));
-  PetscCall(VecRestoreArrayRead(node, &values));
+  PetscCall(VecGetArray(node, &values));
+  PetscCall(Exchange(s, share, PETSC_TRUE, name, H5T_NATIVE_DOUBLE, n, values));
+  PetscCall(VecRestoreArray(node, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ExchangeNodes(MpmHdf5 *s, const char path[], const Share *share, const MpmMarch *march)
+{
+  PetscInt64 length = share ? share->nodes : 0;
+  char       name[32];
+
+  PetscFunctionBegin;
+  if (share) PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &length, 1, MPIU_INT64, MPI_SUM, s->comm));
+  PetscCall(ExchangeNode(s, path, share, length, "inverse_mass", march->inverse_mass));
+  for (PetscInt f = 0; f < march->nnodes; f++) {
+    (void)snprintf(name, sizeof name, "node_%" PetscInt_FMT, f);
+    PetscCall(ExchangeNode(s, path, share, length, name, march->node[f]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -128,25 +192,14 @@ static PetscErrorCode WriteState(MpmHdf5 *s, const MpmMarch *march)
   const PetscInt64 count = march->particles->count;
   PetscInt64       nodes;
   PetscInt         n;
-  char             name[32];
 
   PetscFunctionBegin;
   PetscCall(VecGetLocalSize(march->inverse_mass, &n));
   nodes = n;
   PetscCall(MpmHdf5Write(s, "rank_particles", H5T_NATIVE_INT64, 1, 1, &count));
   PetscCall(MpmHdf5Write(s, "rank_nodes", H5T_NATIVE_INT64, 1, 1, &nodes));
-  PetscCall(WriteField(s, march->particles, DMSwarmField_pid, H5T_NATIVE_INT64));
-  for (PetscInt a = 0; a < march->layout->dim; a++) {
-    PetscCall(WriteField(s, march->particles, MpmFieldXi[a], H5T_NATIVE_DOUBLE));
-    PetscCall(WriteCells(s, march, a));
-  }
-  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
-    PetscCall(WriteField(s, march->particles, march->scheme->table->fields[f], H5T_NATIVE_DOUBLE));
-  PetscCall(WriteNode(s, "inverse_mass", march->inverse_mass));
-  for (PetscInt f = 0; f < march->nnodes; f++) {
-    PetscCall(PetscSNPrintf(name, sizeof name, "node_%" PetscInt_FMT, f));
-    PetscCall(WriteNode(s, name, march->node[f]));
-  }
+  PetscCall(ExchangeParticles(s, NULL, march));
+  PetscCall(ExchangeNodes(s, NULL, NULL, march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -195,18 +248,6 @@ PetscErrorCode MpmCheckpointWrite(const char path[], const MpmMarch *march, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Require(MpmHdf5 *s, const char path[], const char name[], hid_t type, PetscInt64 length)
-{
-  PetscInt64 has;
-
-  PetscFunctionBegin;
-  PetscCall(MpmHdf5Length(s, name, type, &has));
-  MpmCheckInput(has >= 0 && (length == ANY || has == length),
-                "checkpoint %s: no array '%s' of the right length in it; allowed: one that 'mpmstab run' has written",
-                path, name);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Reads a whole array on every rank and appends a zero. n: its length; if it is ANY on entry, it is set. */
 static PetscErrorCode All(MpmHdf5 *s, const char path[], const char name[], hid_t type, size_t bytes, PetscInt64 *n,
                           void *values)
@@ -215,7 +256,7 @@ static PetscErrorCode All(MpmHdf5 *s, const char path[], const char name[], hid_
   PetscCall(Require(s, path, name, type, *n));
   PetscCall(MpmHdf5Length(s, name, type, n));
   PetscCall(PetscCalloc1((size_t)(*n + 1) * bytes, (char **)values));
-  PetscCall(MpmHdf5Read(s, name, type, 0, *n, *(char **)values));
+  MpmHdf5Read(s, name, type, 0, *n, *(char **)values);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -228,9 +269,9 @@ static PetscErrorCode ReadRun(MpmHdf5 *s, PetscInt dim, MpmCheckpoint *f)
   PetscCall(All(s, f->path, "scene", H5T_NATIVE_CHAR, 1, &f->scene_length, &f->scene));
   PetscCall(All(s, f->path, "csv", H5T_NATIVE_CHAR, 1, &f->csv_length, &f->csv));
   PetscCall(Require(s, f->path, "where", integer, MPM_WHERE_OF(dim)));
-  PetscCall(MpmHdf5Read(s, "where", integer, 0, MPM_WHERE_OF(dim), f->where));
+  MpmHdf5Read(s, "where", integer, 0, MPM_WHERE_OF(dim), f->where);
   PetscCall(Require(s, f->path, "numbers", real, MPM_NUMBERS));
-  PetscCall(MpmHdf5Read(s, "numbers", real, 0, MPM_NUMBERS, f->numbers));
+  MpmHdf5Read(s, "numbers", real, 0, MPM_NUMBERS, f->numbers);
   PetscCall(All(s, f->path, "series_step", integer, sizeof *f->sample_step, &f->samples, &f->sample_step));
   PetscCall(All(s, f->path, "series_state", real, sizeof *f->log_state, &f->samples, &f->log_state));
   PetscCall(All(s, f->path, "series_grid", real, sizeof *f->log_grid, &f->samples, &f->log_grid));
@@ -273,7 +314,7 @@ static PetscErrorCode ReadAndCheckRun(MpmHdf5 *s, const MpmScene *scene, PetscIn
   PetscCall(MpmCheckpointCheckRun(scene, steps, file));
   if (scene->safety > 0) {
     PetscCall(Require(s, path, "pace", H5T_NATIVE_DOUBLE, MPM_PACE_NUMBERS));
-    PetscCall(MpmHdf5Read(s, "pace", H5T_NATIVE_DOUBLE, 0, MPM_PACE_NUMBERS, file->pace));
+    MpmHdf5Read(s, "pace", H5T_NATIVE_DOUBLE, 0, MPM_PACE_NUMBERS, file->pace);
     PetscCall(CheckRead(s, path));
     PetscCall(MpmCheckpointCheckPace(file));
   }
@@ -343,21 +384,13 @@ static PetscErrorCode TakeRun(MpmCheckpoint *file, MpmMarch *march, MpmRun *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The part of the file's particles and nodes that this rank reads. same: each rank reads what it wrote itself. */
-typedef struct {
-  PetscBool  same;
-  PetscInt64 begin, n, node, nodes;
-} Share;
-
 static PetscErrorCode FindShare(MPI_Comm comm, const MpmCheckpoint *file, const MpmMarch *march, Share *share)
 {
-  PetscMPIInt rank, size;
-  PetscInt    mine;
-  int         same;
+  const PetscMPIInt rank = MpmRankOf(comm), size = MpmRanksOf(comm);
+  PetscInt          mine;
+  int               same;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(VecGetLocalSize(march->inverse_mass, &mine));
   same = file->ranks == size && file->rank_nodes[rank] == mine;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &same, 1, MPI_INT, MPI_MIN, comm));
@@ -376,81 +409,6 @@ static PetscErrorCode FindShare(MPI_Comm comm, const MpmCheckpoint *file, const 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadField(MpmHdf5 *s, const Share *share, const MpmParticles *particles, const char name[],
-                                hid_t type)
-{
-  void *values;
-
-  PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(particles, name, &values));
-  PetscCall(MpmHdf5Read(s, name, type, share->begin, share->n, values));
-  PetscCall(MpmParticlesRestore(particles, name, &values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadCells(MpmHdf5 *s, const Share *share, const MpmMarch *march, PetscInt a)
-{
-  const PetscInt most = march->particles->own ? march->grid->axis[a].cells : 0; /* they may be in ghosts */
-  PetscInt      *cell;
-  PetscInt64    *global;
-
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc1(share->n, &global));
-  PetscCall(MpmHdf5Read(s, MpmFieldCell[a], H5T_NATIVE_INT64, share->begin, share->n, global));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
-  for (PetscInt64 p = 0; p < share->n; p++) /* a cell off the grid stays off and is refused later */
-    cell[p] = (PetscInt)PetscClipInterval(global[p], -2 - most, march->grid->axis[a].cells + most) -
-              march->grid->axis[a].first;
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
-  PetscCall(PetscFree(global));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadParticles(MpmHdf5 *s, const Share *share, MpmMarch *march)
-{
-  MpmParticles *particles = march->particles;
-
-  PetscFunctionBegin;
-  particles->count = (PetscInt)share->n;
-  PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
-  PetscCall(ReadField(s, share, particles, DMSwarmField_pid, H5T_NATIVE_INT64));
-  for (PetscInt a = 0; a < march->layout->dim; a++) {
-    PetscCall(ReadField(s, share, particles, MpmFieldXi[a], H5T_NATIVE_DOUBLE));
-    PetscCall(ReadCells(s, share, march, a));
-  }
-  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
-    PetscCall(ReadField(s, share, particles, march->scheme->table->fields[f], H5T_NATIVE_DOUBLE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadNode(MpmHdf5 *s, const Share *share, const char name[], Vec node)
-{
-  PetscReal *values;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetArray(node, &values));
-  PetscCall(MpmHdf5Read(s, name, H5T_NATIVE_DOUBLE, share->node, share->nodes, values));
-  PetscCall(VecRestoreArray(node, &values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadNodes(MpmHdf5 *s, const char path[], const Share *share, MpmMarch *march)
-{
-  PetscInt64 length = share->nodes;
-  char       name[32];
-
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &length, 1, MPIU_INT64, MPI_SUM, s->comm));
-  PetscCall(Require(s, path, "inverse_mass", H5T_NATIVE_DOUBLE, length));
-  PetscCall(ReadNode(s, share, "inverse_mass", march->inverse_mass));
-  for (PetscInt f = 0; f < march->nnodes; f++) {
-    PetscCall(PetscSNPrintf(name, sizeof name, "node_%" PetscInt_FMT, f));
-    PetscCall(Require(s, path, name, H5T_NATIVE_DOUBLE, length));
-    PetscCall(ReadNode(s, share, name, march->node[f]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ReadState(MpmHdf5 *s, const MpmScene *scene, PetscInt64 steps, MpmCheckpoint *file,
                                 MpmMarch *march, MpmRun *run, Share *share)
 {
@@ -458,8 +416,10 @@ static PetscErrorCode ReadState(MpmHdf5 *s, const MpmScene *scene, PetscInt64 st
   PetscCall(ReadAndCheckRun(s, scene, steps, file));
   PetscCall(TakeRun(file, march, run));
   PetscCall(FindShare(s->comm, file, march, share));
-  PetscCall(ReadParticles(s, share, march));
-  if (share->same) PetscCall(ReadNodes(s, file->path, share, march));
+  march->particles->count = (PetscInt)share->n;
+  PetscCall(DMSwarmSetLocalSizes(march->particles->swarm, (PetscInt)share->n, MpmParticlesRoom(march->particles)));
+  PetscCall(ExchangeParticles(s, share, march));
+  if (share->same) PetscCall(ExchangeNodes(s, file->path, share, march));
   PetscCall(CheckRead(s, file->path));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -193,12 +193,10 @@ static PetscErrorCode CheckIds(const MpmMarch *march, const char path[])
   const PetscInt64  n   = march->particles->total;
   uint64_t          sum = 0, beyond = 0, sums[2];
   const PetscInt64 *id;
-  PetscMPIInt       rank, size;
   MPI_Comm          comm = PetscObjectComm((PetscObject)march->grid->da);
+  const PetscMPIInt rank = MpmRankOf(comm), size = MpmRanksOf(comm);
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
-  PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
   for (PetscInt p = 0; p < march->particles->count; p++) {
     if (id[p] < 0 || id[p] >= n) beyond++;

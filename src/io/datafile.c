@@ -6,53 +6,27 @@
 #include "base/unfinished.h"
 #include <string.h>
 
-static PetscErrorCode WriteText(MpmHdf5 *file, const char name[], const char text[])
-{
-  PetscFunctionBegin;
-  PetscCall(MpmHdf5WriteText(file, "/", name, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode WriteNumber(MpmHdf5 *file, const char name[], PetscReal value)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmHdf5WriteReal(file, "/", name, value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A fraction is written as text too, so that 1/7 stays exact. A range is written as its two ends. */
+/* A fraction is written as text too, so that 1/7 stays exact. */
 static PetscErrorCode WriteOne(MpmHdf5 *file, const MpmValue *value, PetscInt a)
 {
-  char name[48], other[64], text[64];
+  MpmAttribute of[2];
+  char         name[80], text[64];
+  PetscInt     n;
 
   PetscFunctionBegin;
-  PetscCall(MpmValueAttribute(value, a, sizeof name, name));
-  switch (value->kind) {
-  case MPM_AS_COUNT:
-    PetscCall(MpmHdf5WriteInteger(file, "/", name, (PetscInt)value->whole[a]));
-    break;
-  case MPM_AS_LONG:
-    PetscCall(WriteNumber(file, name, (PetscReal)value->whole[a]));
-    break;
-  case MPM_AS_REAL:
-    PetscCall(WriteNumber(file, name, value->number[a][0]));
-    break;
-  case MPM_AS_RANGE:
-    PetscCall(PetscSNPrintf(other, sizeof other, "%s_from", name));
-    PetscCall(WriteNumber(file, other, value->number[a][0]));
-    PetscCall(PetscSNPrintf(other, sizeof other, "%s_to", name));
-    PetscCall(WriteNumber(file, other, value->number[a][1]));
-    break;
-  case MPM_AS_FRACTION:
-    PetscCall(WriteNumber(file, name, value->fraction[a].value));
-    if (!value->fraction[a].den) break;
-    PetscCall(PetscSNPrintf(other, sizeof other, "%s_exact", name));
-    PetscCall(MpmValueOneText(value, a, sizeof text, text));
-    PetscCall(WriteText(file, other, text));
-    break;
-  default:
-    PetscCall(WriteText(file, name, value->text));
+  MpmValueAttributes(value, a, &n, of);
+  for (PetscInt i = 0; i < n; i++) {
+    if (of[i].kind == MPM_AS_COUNT)
+      MpmHdf5WriteInteger(file, "/", of[i].name, of[i].count);
+    else if (of[i].kind == MPM_AS_REAL)
+      MpmHdf5WriteReal(file, "/", of[i].name, of[i].number);
+    else
+      MpmHdf5WriteText(file, "/", of[i].name, of[i].text);
   }
+  if (value->kind != MPM_AS_FRACTION || !value->fraction[a].den) PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(name, sizeof name, "%s_exact", of[0].name);
+  PetscCall(MpmValueOneText(value, a, sizeof text, text));
+  MpmHdf5WriteText(file, "/", name, text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -62,7 +36,7 @@ static PetscErrorCode WriteSceneAttributes(const MpmScene *scene, const MpmReque
   PetscInt n;
 
   PetscFunctionBegin;
-  PetscCall(WriteText(file, "version", MPMSTAB_VERSION));
+  MpmHdf5WriteText(file, "/", "version", MPMSTAB_VERSION);
   PetscCall(MpmValuesIn(MPM_IN_FILE, scene, request, &n, values));
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt a = 0; a < values[i].n; a++) PetscCall(WriteOne(file, &values[i], a));
@@ -74,7 +48,7 @@ PetscErrorCode MpmDataFileCreate(MPI_Comm comm, const char path[], MpmDataFile *
   int error;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(file->path, path, sizeof file->path));
+  (void)snprintf(file->path, sizeof file->path, "%s", path);
   PetscCall(MpmFileCreate(comm, file->path, file->part, &error));
   MpmCheckInput(!error, "%s: cannot be written: %s", file->path, strerror(error));
   PetscCall(MpmHdf5Create(comm, file->part, 0, &file->hdf5));
@@ -130,12 +104,10 @@ PetscErrorCode MpmDataFileDrop(MpmDataFile *file)
 PetscErrorCode MpmDataFileArray(MpmDataFile *file, const char group[], const char name[], PetscInt rows,
                                 PetscInt columns, const PetscReal values[])
 {
-  PetscMPIInt rank;
-  char        path[256];
+  char path[256];
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(file->hdf5.comm, &rank));
-  PetscCall(PetscSNPrintf(path, sizeof path, "%s/%s", group, name));
-  PetscCall(MpmHdf5Write(&file->hdf5, path, H5T_NATIVE_DOUBLE, rank ? 0 : rows, columns, values));
+  (void)snprintf(path, sizeof path, "%s/%s", group, name);
+  PetscCall(MpmHdf5Write(&file->hdf5, path, H5T_NATIVE_DOUBLE, MpmRankOf(file->hdf5.comm) ? 0 : rows, columns, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

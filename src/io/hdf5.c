@@ -6,6 +6,7 @@
 */
 #define _GNU_SOURCE /* fallocate */
 #include "io/hdf5.h"
+#include <mpmstab/errors.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -66,10 +67,7 @@ static PetscErrorCode Begin(MPI_Comm comm, MpmHdf5 *f)
 
 static PetscBool IsWriter(const MpmHdf5 *f)
 {
-  PetscMPIInt rank = 0;
-
-  (void)MPI_Comm_rank(f->comm, &rank);
-  return rank == 0 ? PETSC_TRUE : PETSC_FALSE;
+  return MpmRankOf(f->comm) == 0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static void Fail(MpmHdf5 *f, int error)
@@ -138,12 +136,11 @@ PetscErrorCode MpmHdf5Open(MPI_Comm comm, const char path[], MpmHdf5 *f)
 /* The first rank that has failed tells the others why. */
 static PetscErrorCode Agree(MpmHdf5 *f, PetscBool *failed)
 {
-  PetscMPIInt rank, size, first;
+  const PetscMPIInt size = MpmRanksOf(f->comm);
+  PetscMPIInt       first;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(f->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(f->comm, &size));
-  first = f->failed ? rank : size;
+  first = f->failed ? MpmRankOf(f->comm) : size;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, f->comm));
   *failed = first < size ? PETSC_TRUE : PETSC_FALSE;
   if (*failed) PetscCallMPI(MPI_Bcast(f->why, sizeof f->why, MPI_CHAR, first, f->comm));
@@ -258,22 +255,20 @@ static PetscErrorCode WriteReceived(MpmHdf5 *f, hid_t array, const Shape *shape,
 PetscErrorCode MpmHdf5WriteRows(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 rows, PetscInt n,
                                 const PetscInt row[], const void *part)
 {
-  Shape       shape = {.type = type, .n = 1 + n};
-  size_t      width = H5Tget_size(type);
-  PetscMPIInt rank, size;
-  PetscInt64 *all;
-  hid_t       array;
+  Shape             shape = {.type = type, .n = 1 + n};
+  size_t            width = H5Tget_size(type);
+  const PetscMPIInt size  = MpmRanksOf(f->comm);
+  PetscInt64       *all;
+  hid_t             array;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(f->comm, &rank));
-  PetscCallMPI(MPI_Comm_size(f->comm, &size));
   for (PetscInt d = 0; d < n; d++) {
     shape.extent[1 + d] = (hsize_t)row[d];
     width *= (size_t)row[d];
   }
   PetscCall(PetscCalloc1(size, &all));
   PetscCallMPI(MPI_Gather(&rows, 1, MPIU_INT64, all, 1, MPIU_INT64, 0, f->comm));
-  if (rank == 0) {
+  if (MpmRankOf(f->comm) == 0) {
     for (PetscMPIInt r = 0; r < size; r++) shape.extent[0] += (hsize_t)all[r];
     array = CreateArray(f, name, &shape, width);
     WriteRows(f, array, &shape, 0, rows, part);
@@ -293,45 +288,37 @@ PetscErrorCode MpmHdf5Write(MpmHdf5 *f, const char name[], hid_t type, PetscInt6
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteAttribute(MpmHdf5 *f, const char object[], const char name[], hid_t type, const void *value)
+static void WriteAttribute(MpmHdf5 *f, const char object[], const char name[], hid_t type, const void *value)
 {
   hid_t space, attribute;
 
-  PetscFunctionBegin;
   if (IsWriter(f)) Reserve(f, 0);
-  if (!IsWriter(f) || f->failed) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!IsWriter(f) || f->failed) return;
   space     = Try(f, H5Screate(H5S_SCALAR));
   attribute = Try(f, H5Acreate_by_name(f->file, object, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   (void)Try(f, H5Awrite(attribute, type, value));
   if (attribute >= 0) (void)Try(f, H5Aclose(attribute));
   (void)Try(f, H5Sclose(space));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHdf5WriteText(MpmHdf5 *f, const char object[], const char name[], const char text[])
+void MpmHdf5WriteText(MpmHdf5 *f, const char object[], const char name[], const char text[])
 {
   hid_t type;
 
-  PetscFunctionBegin;
   type = Try(f, H5Tcopy(H5T_C_S1));
   (void)Try(f, H5Tset_size(type, strlen(text) + 1));
-  PetscCall(WriteAttribute(f, object, name, type, text));
+  WriteAttribute(f, object, name, type, text);
   (void)Try(f, H5Tclose(type));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHdf5WriteReal(MpmHdf5 *f, const char object[], const char name[], PetscReal value)
+void MpmHdf5WriteReal(MpmHdf5 *f, const char object[], const char name[], PetscReal value)
 {
-  PetscFunctionBegin;
-  PetscCall(WriteAttribute(f, object, name, H5T_NATIVE_DOUBLE, &value));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  WriteAttribute(f, object, name, H5T_NATIVE_DOUBLE, &value);
 }
 
-PetscErrorCode MpmHdf5WriteInteger(MpmHdf5 *f, const char object[], const char name[], PetscInt value)
+void MpmHdf5WriteInteger(MpmHdf5 *f, const char object[], const char name[], PetscInt value)
 {
-  PetscFunctionBegin;
-  PetscCall(WriteAttribute(f, object, name, sizeof value == sizeof(int) ? H5T_NATIVE_INT : H5T_NATIVE_LLONG, &value));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  WriteAttribute(f, object, name, sizeof value == sizeof(int) ? H5T_NATIVE_INT : H5T_NATIVE_LLONG, &value);
 }
 
 PetscBool MpmHdf5Has(const MpmHdf5 *f, const char name[])
@@ -404,14 +391,13 @@ PetscErrorCode MpmHdf5Length(MpmHdf5 *f, const char name[], hid_t type, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHdf5Read(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 begin, PetscInt64 n, void *part)
+void MpmHdf5Read(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 begin, PetscInt64 n, void *part)
 {
   const hsize_t offset = (hsize_t)begin, count = (hsize_t)n;
   PetscInt64    length;
   hid_t         array, space, memory;
 
-  PetscFunctionBegin;
-  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (n == 0) return;
   array = Find(f, name, type, &length);
   if (array < 0 || begin + n > length) f->failed = PETSC_TRUE;
   space  = Try(f, H5Dget_space(array));
@@ -421,7 +407,6 @@ PetscErrorCode MpmHdf5Read(MpmHdf5 *f, const char name[], hid_t type, PetscInt64
   if (memory >= 0) (void)H5Sclose(memory);
   if (space >= 0) (void)H5Sclose(space);
   if (array >= 0) (void)H5Dclose(array);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 #define DENSEST 1100 /* filters pack at most about so many bytes into one */
@@ -455,15 +440,13 @@ PetscBool MpmHdf5Array(const MpmHdf5 *f, const char name[], int room, int *dims,
   return ok && claimed <= (PetscReal)bytes ? PETSC_TRUE : PETSC_FALSE;
 }
 
-PetscErrorCode MpmHdf5ReadArray(MpmHdf5 *f, const char name[], PetscReal numbers[])
+void MpmHdf5ReadArray(MpmHdf5 *f, const char name[], PetscReal numbers[])
 {
   hid_t array;
 
-  PetscFunctionBegin;
   array = Try(f, OpenArray(f, name));
   (void)Try(f, H5Dread(array, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers));
   if (array >= 0) (void)H5Dclose(array);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscBool MpmHdf5ReadText(const MpmHdf5 *f, const char object[], const char name[], size_t room, char text[])

@@ -55,9 +55,9 @@ PetscErrorCode MpmHdf5WriteRows(MpmHdf5 *file, const char name[], hid_t type, Pe
                                 const PetscInt row[], const void *part);
 
 /* Collective. Write an attribute of the root ("/"), or of a group or array that has been written. */
-PetscErrorCode MpmHdf5WriteText(MpmHdf5 *file, const char object[], const char name[], const char text[]);
-PetscErrorCode MpmHdf5WriteReal(MpmHdf5 *file, const char object[], const char name[], PetscReal value);
-PetscErrorCode MpmHdf5WriteInteger(MpmHdf5 *file, const char object[], const char name[], PetscInt value);
+void MpmHdf5WriteText(MpmHdf5 *file, const char object[], const char name[], const char text[]);
+void MpmHdf5WriteReal(MpmHdf5 *file, const char object[], const char name[], PetscReal value);
+void MpmHdf5WriteInteger(MpmHdf5 *file, const char object[], const char name[], PetscInt value);
 
 /* Not collective. Returns whether a file that this rank has open contains such a group or array. */
 PetscBool MpmHdf5Has(const MpmHdf5 *file, const char name[]);
@@ -79,7 +79,7 @@ PetscBool MpmHdf5ReadAttribute(const MpmHdf5 *file, const char object[], const c
 PetscErrorCode MpmHdf5Length(MpmHdf5 *file, const char name[], hid_t type, PetscInt64 *length);
 
 /* Not collective. Reads n numbers of such an array, starting at begin. If there are fewer, the file has failed. */
-PetscErrorCode MpmHdf5Read(MpmHdf5 *file, const char name[], hid_t type, PetscInt64 begin, PetscInt64 n, void *part);
+void MpmHdf5Read(MpmHdf5 *file, const char name[], hid_t type, PetscInt64 begin, PetscInt64 n, void *part);
 
 /*
    MpmHdf5Array - finds the extents of an array of numbers, whole or real, of at most room dimensions. Returns whether there
@@ -91,7 +91,7 @@ PetscErrorCode MpmHdf5Read(MpmHdf5 *file, const char name[], hid_t type, PetscIn
 
    Not collective.
 */
-PetscBool      MpmHdf5Array(const MpmHdf5 *file, const char name[], int room, int *dims, PetscInt64 shape[]);
-PetscErrorCode MpmHdf5ReadArray(MpmHdf5 *file, const char name[], PetscReal numbers[]);
-PetscBool      MpmHdf5ReadText(const MpmHdf5 *file, const char object[], const char name[], size_t room, char text[]);
-PetscBool      MpmHdf5Group(const MpmHdf5 *file, PetscInt i, size_t room, char name[]);
+PetscBool MpmHdf5Array(const MpmHdf5 *file, const char name[], int room, int *dims, PetscInt64 shape[]);
+void      MpmHdf5ReadArray(MpmHdf5 *file, const char name[], PetscReal numbers[]);
+PetscBool MpmHdf5ReadText(const MpmHdf5 *file, const char object[], const char name[], size_t room, char text[]);
+PetscBool MpmHdf5Group(const MpmHdf5 *file, PetscInt i, size_t room, char name[]);

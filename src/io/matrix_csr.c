@@ -1,20 +1,21 @@
 /* A sparse matrix on its way between the first rank, which has the file, and all ranks. */
 #include "base/memory.h"
 #include "io/matrix_csr.h"
+#include <mpmstab/errors.h>
 #include <math.h>
 
 PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, MpmEntries *e, char why[MPM_WHY_TEXT])
 {
   PetscFunctionBegin;
   if (!(rows >= 1 && columns >= 1))
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "it is empty, %.0f x %.0f; allowed: a square matrix", rows, columns));
+    (void)snprintf(why, MPM_WHY_TEXT, "it is empty, %.0f x %.0f; allowed: a square matrix", rows, columns);
   else if (rows != columns)
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                            "it is not square, %.0f x %.0f; allowed: a matrix from a state to a state", rows, columns));
+    (void)snprintf(why, MPM_WHY_TEXT, "it is not square, %.0f x %.0f; allowed: a matrix from a state to a state", rows,
+                   columns);
   else if (rows != rint(rows) || rows > PETSC_MAX_INT / 2 || !(n >= 0 && n <= MPM_MATRIX_ENTRIES))
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "order %.10g with %.10g entries; allowed: up to %d, with up to %.2g",
-                            rows, n, PETSC_MAX_INT / 2, MPM_MATRIX_ENTRIES));
-  if (!why[0]) PetscCall(MpmMemoryRoom(n * (2 * sizeof(PetscInt) + sizeof(PetscReal)), MPM_WHY_TEXT, why));
+    (void)snprintf(why, MPM_WHY_TEXT, "order %.10g with %.10g entries; allowed: up to %d, with up to %.2g", rows, n,
+                   PETSC_MAX_INT / 2, MPM_MATRIX_ENTRIES);
+  if (!why[0]) MpmMemoryRoom(n * (2 * sizeof(PetscInt) + sizeof(PetscReal)), MPM_WHY_TEXT, why);
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   e->rows    = (PetscInt64)rows;
   e->columns = (PetscInt64)columns;
@@ -23,22 +24,20 @@ PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmEntriesCheck(const MpmEntries *e, char why[MPM_WHY_TEXT])
+void MpmEntriesCheck(const MpmEntries *e, char why[MPM_WHY_TEXT])
 {
-  PetscFunctionBegin;
   for (PetscInt64 i = 0; i < e->n && !why[0]; i++) {
     if (e->row[i] < 0 || e->row[i] >= e->rows || e->column[i] < 0 || e->column[i] >= e->columns)
-      PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                              "entry %" PetscInt64_FMT " is in row %" PetscInt_FMT " and column %" PetscInt_FMT
-                              "; allowed: from 0 to %" PetscInt64_FMT ", counted from 0",
-                              i + 1, e->row[i], e->column[i], e->rows - 1));
+      (void)snprintf(why, MPM_WHY_TEXT,
+                     "entry %" PetscInt64_FMT " is in row %" PetscInt_FMT " and column %" PetscInt_FMT
+                     "; allowed: from 0 to %" PetscInt64_FMT ", counted from 0",
+                     i + 1, e->row[i], e->column[i], e->rows - 1);
     else if (!isfinite(e->value[i]))
-      PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT,
-                              "row %" PetscInt_FMT ", column %" PetscInt_FMT ", counted from 0, is %s; allowed: finite "
-                              "numbers",
-                              e->row[i], e->column[i], isnan(e->value[i]) ? "nan" : "infinite"));
+      (void)snprintf(why, MPM_WHY_TEXT,
+                     "row %" PetscInt_FMT ", column %" PetscInt_FMT ", counted from 0, is %s; allowed: finite "
+                     "numbers",
+                     e->row[i], e->column[i], isnan(e->value[i]) ? "nan" : "infinite");
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmEntriesToScales(MpmEntries *e)
@@ -123,10 +122,10 @@ typedef struct {
 
 static PetscErrorCode DealCreate(MPI_Comm comm, PetscInt rows, PetscInt entries, Deal *d)
 {
-  PetscMPIInt size, mine[2] = {(PetscMPIInt)rows, (PetscMPIInt)entries};
+  const PetscMPIInt size    = MpmRanksOf(comm);
+  PetscMPIInt       mine[2] = {(PetscMPIInt)rows, (PetscMPIInt)entries};
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(comm, &size));
   PetscCall(PetscMalloc4(size, &d->rows, size, &d->first, size, &d->entries, size, &d->begin));
   PetscCallMPI(MPI_Allgather(&mine[0], 1, MPI_INT, d->rows, 1, MPI_INT, comm));
   PetscCallMPI(MPI_Allgather(&mine[1], 1, MPI_INT, d->entries, 1, MPI_INT, comm));
@@ -147,13 +146,12 @@ static PetscErrorCode DealDestroy(Deal *d)
 
 PetscErrorCode MpmCsrScatter(MPI_Comm comm, const MpmCsr *c, Mat *A)
 {
-  PetscInt    order = c->order, rows = PETSC_DECIDE, *begin, *column, *count, entries = 0;
-  PetscReal  *value;
-  PetscMPIInt rank;
-  Deal        deal;
+  PetscInt          order = c->order, rows = PETSC_DECIDE, *begin, *column, *count, entries = 0;
+  PetscReal        *value;
+  const PetscMPIInt rank = MpmRankOf(comm);
+  Deal              deal;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCallMPI(MPI_Bcast(&order, 1, MPIU_INT, 0, comm));
   PetscCall(PetscSplitOwnership(comm, &rows, &order));
   PetscCall(DealCreate(comm, rows, 0, &deal));
@@ -200,15 +198,14 @@ static PetscErrorCode TakeRows(Mat A, PetscInt exponent, PetscInt count[], Petsc
 
 PetscErrorCode MpmCsrGather(Mat A, PetscInt exponent, MpmCsr *c)
 {
-  const MPI_Comm comm = PetscObjectComm((PetscObject)A);
-  PetscInt       rows, all, *count, *column;
-  PetscReal     *value;
-  MatInfo        local, global;
-  PetscMPIInt    rank;
-  Deal           deal;
+  const MPI_Comm    comm = PetscObjectComm((PetscObject)A);
+  PetscInt          rows, all, *count, *column;
+  PetscReal        *value;
+  MatInfo           local, global;
+  const PetscMPIInt rank = MpmRankOf(comm);
+  Deal              deal;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   PetscCall(MatGetSize(A, &c->order, NULL));
   PetscCall(MatGetLocalSize(A, &rows, NULL));
   PetscCall(MatGetInfo(A, MAT_LOCAL, &local));

@@ -31,7 +31,7 @@ typedef struct {
 */
 PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, MpmEntries *entries,
                               char why[MPM_WHY_TEXT]);
-PetscErrorCode MpmEntriesCheck(const MpmEntries *entries, char why[MPM_WHY_TEXT]);
+void           MpmEntriesCheck(const MpmEntries *entries, char why[MPM_WHY_TEXT]);
 /* Not collective. Takes entries to the scales of fields that the hook says, as those of a code that mpmstab itself probes. */
 void MpmEntriesToScales(MpmEntries *entries);
 

@@ -31,5 +31,5 @@ PetscErrorCode MpmMatrixWrite(const char path[], Mat A, PetscInt exponent, Petsc
 /* Not collective: the first rank reads and writes single formats. */
 PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *entries, char why[MPM_WHY_TEXT]);
 PetscErrorCode MpmMatrixReadPetsc(FILE *stream, MpmEntries *entries, char why[MPM_WHY_TEXT]);
-PetscErrorCode MpmMatrixWriteText(const MpmCsr *csr, PetscInt steps, FILE *stream);
-PetscErrorCode MpmMatrixWritePetsc(const MpmCsr *csr, FILE *stream);
+void           MpmMatrixWriteText(const MpmCsr *csr, PetscInt steps, FILE *stream);
+void           MpmMatrixWritePetsc(const MpmCsr *csr, FILE *stream);

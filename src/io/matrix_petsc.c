@@ -75,7 +75,7 @@ PetscErrorCode MpmMatrixReadPetsc(FILE *stream, MpmEntries *e, char why[MPM_WHY_
   PetscBool  ok;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(why, "it is cut off; allowed: a whole file of PETSc", MPM_WHY_TEXT));
+  (void)snprintf(why, MPM_WHY_TEXT, "%s", "it is cut off; allowed: a whole file of PETSc");
   if (!ReadWhole(stream, 4, &head[0])) PetscFunctionReturn(PETSC_SUCCESS);
   if (head[0] == 0) { /* the upper half of a wide number */
     width = 8;
@@ -90,7 +90,7 @@ PetscErrorCode MpmMatrixReadPetsc(FILE *stream, MpmEntries *e, char why[MPM_WHY_
   if (head[3] != DENSE) bytes += (PetscReal)width * ((PetscReal)head[1] + entries);
   if (bytes > (PetscReal)end) PetscFunctionReturn(PETSC_SUCCESS);
   if (bytes + 8 * entries == (PetscReal)end && entries > 0)
-    PetscCall(PetscStrncpy(why, "it has complex numbers; allowed: a file of PETSc with real ones", MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s", "it has complex numbers; allowed: a file of PETSc with real ones");
   else
     why[0] = '\0';
   if (!why[0]) PetscCall(MpmEntriesRoom((PetscReal)head[1], (PetscReal)head[2], entries, e, why));
@@ -98,8 +98,8 @@ PetscErrorCode MpmMatrixReadPetsc(FILE *stream, MpmEntries *e, char why[MPM_WHY_
   ok = !fseeko(stream, (off_t)(4 * width), SEEK_SET);
   if (ok) ok = head[3] == DENSE ? ReadDense(stream, e) : ReadSparse(stream, width, e);
   if (!ok)
-    PetscCall(PetscStrncpy(why, "the numbers of entries in its rows do not fit; allowed: a whole file of PETSc",
-                           MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s",
+                   "the numbers of entries in its rows do not fit; allowed: a whole file of PETSc");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,9 +117,8 @@ static void WriteWhole(FILE *stream, PetscInt number)
   Write(stream, sizeof narrow, &narrow);
 }
 
-PetscErrorCode MpmMatrixWritePetsc(const MpmCsr *c, FILE *stream)
+void MpmMatrixWritePetsc(const MpmCsr *c, FILE *stream)
 {
-  PetscFunctionBegin;
   WriteWhole(stream, MAT_FILE_CLASSID);
   WriteWhole(stream, c->order);
   WriteWhole(stream, c->order);
@@ -127,5 +126,4 @@ PetscErrorCode MpmMatrixWritePetsc(const MpmCsr *c, FILE *stream)
   for (PetscInt i = 0; i < c->order; i++) WriteWhole(stream, c->begin[i + 1] - c->begin[i]);
   for (PetscInt k = 0; k < c->begin[c->order]; k++) WriteWhole(stream, c->column[k]);
   for (PetscInt k = 0; k < c->begin[c->order]; k++) Write(stream, sizeof(PetscReal), &c->value[k]);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

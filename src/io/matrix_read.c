@@ -37,12 +37,11 @@ static PetscErrorCode ReadCompressed(const Compressed *c, const MpmArray *shape,
   PetscFunctionBegin;
   if (c->inner->n != n || outer < 0 || at[0] != 0 || at[outer] != (PetscReal)n ||
       (PetscReal)outer != (c->by_columns ? column : row) || !MpmArrayIsWhole(c->pointer, 0))
-    PetscCall(PetscStrncpy(why,
-                           "its indices and pointers do not fit its data; allowed: pointers from 0 to the number of "
-                           "entries, one more than rows (or columns, of csc)",
-                           MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s",
+                   "its indices and pointers do not fit its data; allowed: pointers from 0 to the number of "
+                   "entries, one more than rows (or columns, of csc)");
   for (PetscInt64 i = 0; i < outer && !why[0]; i++)
-    if (at[i] > at[i + 1]) PetscCall(PetscStrncpy(why, "its pointers decrease; allowed: csr or csc", MPM_WHY_TEXT));
+    if (at[i] > at[i + 1]) (void)snprintf(why, MPM_WHY_TEXT, "%s", "its pointers decrease; allowed: csr or csc");
   if (!why[0]) PetscCall(MpmEntriesRoom(row, column, (PetscReal)n, e, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt64 i = 0; i < outer; i++) {
@@ -64,8 +63,8 @@ static PetscErrorCode ReadCoo(const MpmArrays *arrays, const MpmArray *data, con
 
   PetscFunctionBegin;
   if (!row || !column || !shape || row->n != data->n || column->n != data->n)
-    PetscCall(PetscStrncpy(why, "it is no coo matrix; allowed: arrays row, col and data of one length, and shape",
-                           MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s",
+                   "it is no coo matrix; allowed: arrays row, col and data of one length, and shape");
   if (!why[0]) PetscCall(MpmEntriesRoom(shape->real[0], shape->real[1], (PetscReal)data->n, e, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt64 k = 0; k < data->n; k++) {
@@ -86,7 +85,7 @@ static PetscErrorCode FromArrays(const MpmArrays *arrays, MpmEntries *e, char wh
   if (!format) format = MpmArraysFind(arrays, "encoding-type");
   if (shape && shape->n != 2) shape = NULL;
   if (steps && (steps->n != 1 || !MpmArrayIsWhole(steps, 1) || steps->real[0] > MPM_MATRIX_MOST_STEPS)) {
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "steps; allowed: one whole number from 1 to %d", MPM_MATRIX_MOST_STEPS));
+    (void)snprintf(why, MPM_WHY_TEXT, "steps; allowed: one whole number from 1 to %d", MPM_MATRIX_MOST_STEPS);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (steps) e->steps = (PetscInt64)steps->real[0];
@@ -97,14 +96,14 @@ static PetscErrorCode FromArrays(const MpmArrays *arrays, MpmEntries *e, char wh
   }
   if (format && !strncmp(format->text, "csc", 3)) c.by_columns = PETSC_TRUE;
   if (format && strncmp(format->text, "cs", 2) && strncmp(format->text, "coo", 3))
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "format %s; allowed: csr, csc or coo", format->text));
+    (void)snprintf(why, MPM_WHY_TEXT, "format %s; allowed: csr, csc or coo", format->text);
   else if (format && !strncmp(format->text, "coo", 3) && data)
     PetscCall(ReadCoo(arrays, data, shape, e, why));
   else if (data && c.inner && c.pointer && c.pointer->n)
     PetscCall(ReadCompressed(&c, shape, e, why));
   else
-    PetscCall(PetscStrncpy(why, "it has no matrix; allowed: arrays data, indices and indptr (or data, ir and jc)",
-                           MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s",
+                   "it has no matrix; allowed: arrays data, indices and indptr (or data, ir and jc)");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -143,10 +142,10 @@ static PetscErrorCode ReadFormat(const char path[], FILE *stream, MpmEntries *e,
   if (format == FORMAT_PETSC) PetscCall(MpmMatrixReadPetsc(stream, e, why));
   if (format == FORMAT_NPZ) PetscCall(MpmArraysReadNpz(path, names, &arrays, why));
   if (format == FORMAT_HDF5) PetscCall(MpmArraysReadHdf5(path, names, &arrays, why));
-  if (format == FORMAT_NONE) PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "its format is not known; %s", formats));
+  if (format == FORMAT_NONE) (void)snprintf(why, MPM_WHY_TEXT, "its format is not known; %s", formats);
   if ((format == FORMAT_NPZ || format == FORMAT_HDF5) && !why[0]) PetscCall(FromArrays(&arrays, e, why));
   PetscCall(MpmArraysFree(&arrays));
-  if (!why[0]) PetscCall(MpmEntriesCheck(e, why));
+  if (!why[0]) MpmEntriesCheck(e, why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -159,7 +158,7 @@ static PetscErrorCode ReadFile(const char path[], MpmEntries *e, char why[MPM_WH
   PetscFunctionBegin;
   if (stream && getc(stream) == EOF && ferror(stream)) error = errno;
   if (error)
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read", MpmFileReason(error)));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read", MpmFileReason(error));
   else {
     rewind(stream);
     PetscCall(ReadFormat(path, stream, e, why));
@@ -176,8 +175,7 @@ static PetscErrorCode CheckRoom(MPI_Comm comm, const char path[], const MpmEntri
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Bcast(size, 2, MPIU_REAL, 0, comm));
-  PetscCall(
-      PetscSNPrintf(what, sizeof what, "-matrix %.1000s: order %.10g with %.10g entries", path, size[0], size[1]));
+  (void)snprintf(what, sizeof what, "-matrix %.1000s: order %.10g with %.10g entries", path, size[0], size[1]);
   PetscCall(MpmMemoryCheck(comm, what, UNKNOWN_BYTES * size[0] + ENTRY_BYTES * size[1], "its spectrum"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -185,14 +183,13 @@ static PetscErrorCode CheckRoom(MPI_Comm comm, const char path[], const MpmEntri
 PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal tolerance, PetscInt *steps,
                              MpmCertificates *certificates, Mat *A)
 {
-  MpmEntries  entries           = {.n = 0};
-  MpmCsr      csr               = {.order = 0};
-  char        why[MPM_WHY_TEXT] = "";
-  PetscInt64  said              = 0;
-  PetscMPIInt rank;
+  MpmEntries        entries           = {.n = 0};
+  MpmCsr            csr               = {.order = 0};
+  char              why[MPM_WHY_TEXT] = "";
+  PetscInt64        said              = 0;
+  const PetscMPIInt rank              = MpmRankOf(comm);
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(comm, &rank));
   MpmHookedBegin(&entries.hooked);
   if (rank == 0) PetscCall(ReadFile(path, &entries, why));
   PetscCallMPI(MPI_Bcast(why, MPM_WHY_TEXT, MPI_CHAR, 0, comm));

@@ -41,19 +41,16 @@ static PetscBool Next(Line *line)
   return PETSC_TRUE;
 }
 
-static PetscErrorCode Refuse(const Line *line, const char allowed[], char why[MPM_WHY_TEXT])
+static void Refuse(const Line *line, const char allowed[], char why[MPM_WHY_TEXT])
 {
-  PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "line %" PetscInt64_FMT ": %.*s%s; allowed: %s", line->number, SHOWN,
-                          line->text, strlen(line->text) > SHOWN ? "..." : "", allowed));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(why, MPM_WHY_TEXT, "line %" PetscInt64_FMT ": %.*s%s; allowed: %s", line->number, SHOWN, line->text,
+                 strlen(line->text) > SHOWN ? "..." : "", allowed);
 }
 
-static PetscErrorCode ReadBanner(Line *line, Banner *b, char why[MPM_WHY_TEXT])
+static void ReadBanner(Line *line, Banner *b, char why[MPM_WHY_TEXT])
 {
   char *save, *next, *word[5] = {NULL};
 
-  PetscFunctionBegin;
   if (!Next(line)) line->text[0] = '\0';
   for (char *c = line->text; *c; c++) *c = (char)(*c >= 'A' && *c <= 'Z' ? *c + 32 : *c);
   next = strtok_r(line->text, " \t\r", &save);
@@ -65,18 +62,16 @@ static PetscErrorCode ReadBanner(Line *line, Banner *b, char why[MPM_WHY_TEXT])
       (strcmp(word[2], "coordinate") && strcmp(word[2], "array")) ||
       (strcmp(word[3], "real") && strcmp(word[3], "double") && strcmp(word[3], "integer")) ||
       (strcmp(word[4], "general") && strcmp(word[4], "symmetric") && strcmp(word[4], "skew-symmetric"))) {
-    PetscCall(
-        PetscSNPrintf(why, MPM_WHY_TEXT,
-                      "Matrix Market of kind %.20s %.20s %.20s; allowed: coordinate or array, real or integer, and "
-                      "general, symmetric or skew-symmetric",
-                      word[2] ? word[2] : "", word[3] ? word[3] : "", word[4] ? word[4] : ""));
-    PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(why, MPM_WHY_TEXT,
+                   "Matrix Market of kind %.20s %.20s %.20s; allowed: coordinate or array, real or integer, and "
+                   "general, symmetric or skew-symmetric",
+                   word[2] ? word[2] : "", word[3] ? word[3] : "", word[4] ? word[4] : "");
+    return;
   }
   b->dense     = strcmp(word[2], "array") ? PETSC_FALSE : PETSC_TRUE;
   b->whole     = strcmp(word[3], "integer") ? PETSC_FALSE : PETSC_TRUE;
   b->skew      = strcmp(word[4], "skew-symmetric") ? PETSC_FALSE : PETSC_TRUE;
   b->symmetric = strcmp(word[4], "general") ? PETSC_TRUE : PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Finds the next line that is no comment and not blank, and takes the comments before it. found: not the file's end. */
@@ -92,7 +87,7 @@ static PetscErrorCode NextEntry(Line *line, MpmEntries *e, PetscBool *found, cha
     else if (line->text[strspn(line->text, " \t\r")])
       *found = PETSC_TRUE;
     if (*found && line->cut) wrong = "a shorter line";
-    if (wrong) PetscCall(Refuse(line, wrong, why));
+    if (wrong) Refuse(line, wrong, why);
   }
   e->steps = (PetscInt64)e->hooked.steps;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -150,12 +145,12 @@ static PetscErrorCode ReadEntries(Line *line, const Banner *b, PetscInt64 listed
     PetscCall(NextEntry(line, e, &found, why));
     if (why[0]) break;
     if (!found || !Numbers(line->text, b->dense ? 1 : 3, b->dense ? number + 2 : number)) {
-      PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "entry %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: %s", i + 1,
-                              listed, b->dense ? "a line with one number" : "a line with row, column and value"));
+      (void)snprintf(why, MPM_WHY_TEXT, "entry %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: %s", i + 1, listed,
+                     b->dense ? "a line with one number" : "a line with row, column and value");
       break;
     }
     wrong = WrongEntry(b, e, number);
-    if (wrong) PetscCall(Refuse(line, wrong, why));
+    if (wrong) Refuse(line, wrong, why);
     if (wrong) break;
     Put(e, (PetscInt)number[0] - 1, (PetscInt)number[1] - 1, number[2]);
     if (b->symmetric && number[0] != number[1])
@@ -167,22 +162,19 @@ static PetscErrorCode ReadEntries(Line *line, const Banner *b, PetscInt64 listed
   }
   if (!why[0]) PetscCall(NextEntry(line, e, &found, why));
   if (!why[0] && found)
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "something follows its %" PetscInt64_FMT " entries; allowed: no more",
-                            listed));
+    (void)snprintf(why, MPM_WHY_TEXT, "something follows its %" PetscInt64_FMT " entries; allowed: no more", listed);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses more entries than the file has room for. */
-static PetscErrorCode CheckLength(FILE *stream, PetscReal listed, char why[MPM_WHY_TEXT])
+static void CheckLength(FILE *stream, PetscReal listed, char why[MPM_WHY_TEXT])
 {
   const off_t at  = ftello(stream);
   off_t       end = 0;
 
-  PetscFunctionBegin;
   if (at >= 0 && !fseeko(stream, 0, SEEK_END)) end = ftello(stream);
   if (at < 0 || fseeko(stream, at, SEEK_SET) || !(listed * SHORTEST - 1 <= (PetscReal)(end - at)))
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "it is too short for %.10g entries; allowed: a whole file", listed));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(why, MPM_WHY_TEXT, "it is too short for %.10g entries; allowed: a whole file", listed);
 }
 
 PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *e, char why[MPM_WHY_TEXT])
@@ -193,18 +185,18 @@ PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *e, char why[MPM_WHY_T
   PetscReal size[3] = {0};
 
   PetscFunctionBegin;
-  PetscCall(ReadBanner(&line, &b, why));
+  ReadBanner(&line, &b, why);
   if (!why[0]) PetscCall(NextEntry(&line, e, &found, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   if (!found || !Numbers(line.text, b.dense ? 2 : 3, size)) {
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "no line with its sizes; allowed: rows and columns%s",
-                            b.dense ? "" : ", and the number of entries"));
+    (void)snprintf(why, MPM_WHY_TEXT, "no line with its sizes; allowed: rows and columns%s",
+                   b.dense ? "" : ", and the number of entries");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (int i = 0; i < 3 && !why[0]; i++)
-    if (!IsWhole(size[i], 0, 1e18)) PetscCall(Refuse(&line, "whole numbers from 0", why));
+    if (!IsWhole(size[i], 0, 1e18)) Refuse(&line, "whole numbers from 0", why);
   if (b.dense) size[2] = !b.symmetric ? size[0] * size[1] : size[0] * (size[0] + (b.skew ? -1 : 1)) / 2;
-  if (!why[0]) PetscCall(CheckLength(stream, size[2], why));
+  if (!why[0]) CheckLength(stream, size[2], why);
   if (!why[0]) PetscCall(MpmEntriesRoom(size[0], size[1], (b.symmetric ? 2 : 1) * size[2], e, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   e->n = 0;
@@ -212,14 +204,12 @@ PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *e, char why[MPM_WHY_T
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMatrixWriteText(const MpmCsr *c, PetscInt steps, FILE *stream)
+void MpmMatrixWriteText(const MpmCsr *c, PetscInt steps, FILE *stream)
 {
-  PetscFunctionBegin;
   (void)fprintf(stream, "%%%%MatrixMarket matrix coordinate real general\n%% steps: %" PetscInt_FMT "\n", steps);
   (void)fprintf(stream, "%" PetscInt_FMT " %" PetscInt_FMT " %" PetscInt_FMT "\n", c->order, c->order,
                 c->begin[c->order]);
   for (PetscInt i = 0; i < c->order; i++)
     for (PetscInt k = c->begin[i]; k < c->begin[i + 1]; k++)
       (void)fprintf(stream, "%" PetscInt_FMT " %" PetscInt_FMT " %.17g\n", i + 1, c->column[k] + 1, c->value[k]);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -22,22 +22,21 @@ static PetscBool IsHdf5(const char path[])
 
 static PetscErrorCode WriteHdf5(const char path[], const MpmCsr *c, PetscInt steps)
 {
-  const PetscInt64 n = c->begin ? c->begin[c->order] : 0;
-  PetscMPIInt      rank;
-  PetscInt64       shape[2] = {c->order, c->order};
-  MpmDataFile      file;
-  hid_t            whole;
+  const PetscInt64  n        = c->begin ? c->begin[c->order] : 0;
+  const PetscMPIInt rank     = MpmRankOf(PETSC_COMM_WORLD);
+  PetscInt64        shape[2] = {c->order, c->order};
+  MpmDataFile       file;
+  hid_t             whole;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(MpmDataFileCreate(PETSC_COMM_WORLD, path, &file)); /* first, as it prepares HDF5 */
   whole = sizeof(PetscInt) == sizeof(int32_t) ? H5T_NATIVE_INT32 : H5T_NATIVE_INT64;
   PetscCall(MpmHdf5Write(&file.hdf5, "/data", H5T_NATIVE_DOUBLE, n, 1, c->value));
   PetscCall(MpmHdf5Write(&file.hdf5, "/indices", whole, n, 1, c->column));
   PetscCall(MpmHdf5Write(&file.hdf5, "/indptr", whole, rank ? 0 : c->order + 1, 1, c->begin));
   PetscCall(MpmHdf5Write(&file.hdf5, "/shape", H5T_NATIVE_INT64, rank ? 0 : 2, 1, shape));
-  PetscCall(MpmHdf5WriteText(&file.hdf5, "/", "format", "csr"));
-  PetscCall(MpmHdf5WriteInteger(&file.hdf5, "/", "steps", steps));
+  MpmHdf5WriteText(&file.hdf5, "/", "format", "csr");
+  MpmHdf5WriteInteger(&file.hdf5, "/", "steps", steps);
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -55,7 +54,7 @@ static PetscErrorCode WriteNpz(const MpmCsr *c, PetscInt steps, FILE *stream)
   PetscCall(MpmArraysAdd(&arrays, "indptr", 1, (const PetscInt64[]){c->order + 1}, &a));
   for (PetscInt i = 0; i <= c->order; i++) a->real[i] = c->begin[i];
   PetscCall(MpmArraysAdd(&arrays, "format", -1, NULL, &a));
-  PetscCall(PetscStrncpy(a->text, "csr", sizeof a->text));
+  (void)snprintf(a->text, sizeof a->text, "%s", "csr");
   PetscCall(MpmArraysAdd(&arrays, "shape", 1, (const PetscInt64[]){2}, &a));
   a->real[0] = a->real[1] = c->order;
   PetscCall(MpmArraysAdd(&arrays, "data", 1, (const PetscInt64[]){n}, &a));
@@ -70,12 +69,10 @@ static PetscErrorCode WriteNpz(const MpmCsr *c, PetscInt steps, FILE *stream)
 /* Refuses what the format cannot hold. */
 static PetscErrorCode Check(const char path[], const MpmCsr *c)
 {
-  int         bad = 0;
-  PetscMPIInt rank;
+  int bad = 0;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) {
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) {
     for (PetscInt k = 0; k < c->begin[c->order] && !bad; k++) bad = !isfinite(c->value[k]);
     if (Ends(path, ".npz") && 16.0 * c->begin[c->order] + 8.0 * c->order > LARGEST_NPZ) bad = 2;
   }
@@ -102,9 +99,9 @@ PetscErrorCode MpmMatrixWrite(const char path[], Mat A, PetscInt exponent, Petsc
     if (file.stream && Ends(path, ".npz"))
       PetscCall(WriteNpz(&csr, steps, file.stream));
     else if (file.stream && Ends(path, ".mtx"))
-      PetscCall(MpmMatrixWriteText(&csr, steps, file.stream));
+      MpmMatrixWriteText(&csr, steps, file.stream);
     else if (file.stream)
-      PetscCall(MpmMatrixWritePetsc(&csr, file.stream));
+      MpmMatrixWritePetsc(&csr, file.stream);
     PetscCall(MpmTextFileClose(&file));
   }
   PetscCall(MpmCsrFree(&csr));

@@ -63,46 +63,21 @@ static void SameCount(Check *c, const char name[], PetscInt mine)
     Wrong(c, "its %s is %lld, the scene's is %" PetscInt_FMT "; allowed: the same", name, theirs, mine);
 }
 
-static PetscErrorCode SameRange(Check *c, const char name[], const PetscReal mine[2])
-{
-  static const char *const ends[] = {"from", "to"};
-  char                     end[64];
-
-  PetscFunctionBegin;
-  for (int e = 0; e < 2; e++) {
-    PetscCall(PetscSNPrintf(end, sizeof end, "%s_%s", name, ends[e]));
-    SameNumber(c, end, mine[e]);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Compares the value of direction a. */
-static PetscErrorCode SameValue(Check *c, const MpmValue *mine, PetscInt a)
+static void SameValue(Check *c, const MpmValue *mine, PetscInt a)
 {
-  char name[48];
+  MpmAttribute of[2];
+  PetscInt     n;
 
-  PetscFunctionBegin;
-  PetscCall(MpmValueAttribute(mine, a, sizeof name, name));
-  switch (mine->kind) {
-  case MPM_AS_COUNT:
-    SameCount(c, name, (PetscInt)mine->whole[a]);
-    break;
-  case MPM_AS_LONG:
-    SameNumber(c, name, (PetscReal)mine->whole[a]);
-    break;
-  case MPM_AS_REAL:
-    SameNumber(c, name, mine->number[a][0]);
-    break;
-  case MPM_AS_FRACTION:
-    SameNumber(c, name, mine->fraction[a].value);
-    break;
-  case MPM_AS_RANGE:
-    PetscCall(SameRange(c, name, mine->number[a]));
-    break;
-  default:
-    SameText(c, name, mine->text);
+  MpmValueAttributes(mine, a, &n, of);
+  for (PetscInt i = 0; i < n; i++) {
+    if (of[i].kind == MPM_AS_COUNT)
+      SameCount(c, of[i].name, of[i].count);
+    else if (of[i].kind == MPM_AS_REAL)
+      SameNumber(c, of[i].name, of[i].number);
+    else
+      SameText(c, of[i].name, of[i].text);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode SameScene(Check *c)
@@ -113,7 +88,7 @@ static PetscErrorCode SameScene(Check *c)
   PetscFunctionBegin;
   PetscCall(MpmValuesIn(MPM_IN_MODE_FILE, c->scene, NULL, &n, mine));
   for (PetscInt i = 0; i < n; i++)
-    for (PetscInt a = 0; a < mine[i].n; a++) PetscCall(SameValue(c, &mine[i], a));
+    for (PetscInt a = 0; a < mine[i].n; a++) SameValue(c, &mine[i], a);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,14 +101,14 @@ static PetscErrorCode Field(Check *c, const char group[], const char field[], co
   double          *values;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(name, sizeof name, "%s/%s_%s", group, field, part));
+  (void)snprintf(name, sizeof name, "%s/%s_%s", group, field, part);
   PetscCall(MpmHdf5Length(&c->file, name, H5T_NATIVE_DOUBLE, &length));
   if (length != n) {
     Wrong(c, "%s is not %" PetscInt64_FMT " numbers; " WRITTEN, name, n);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscCalloc1(n, &values));
-  PetscCall(MpmHdf5Read(&c->file, name, H5T_NATIVE_DOUBLE, 0, n, values));
+  MpmHdf5Read(&c->file, name, H5T_NATIVE_DOUBLE, 0, n, values);
   if (c->file.failed) Wrong(c, "%s cannot be read; " WRITTEN, name);
   for (PetscInt64 i = 0; i < n && !c->why[0]; i++) {
     if (!isfinite(values[i])) Wrong(c, "%s holds a value that is not finite; " WRITTEN, name);
@@ -150,7 +125,7 @@ static PetscErrorCode Mode(Check *c)
   char      group[64];
 
   PetscFunctionBegin;
-  PetscCall(MpmModeFileGroup(c->scene, group, sizeof group));
+  MpmModeFileGroup(c->scene, group, sizeof group);
   if (!MpmHdf5ReadAttribute(&c->file, group, "growth", H5T_NATIVE_DOUBLE, &growth))
     Wrong(c, "it does not hold mode %" PetscInt_FMT "; allowed: one of those that 'mpmstab spectrum -modes' has kept",
           c->scene->mode[0]);
@@ -187,12 +162,10 @@ static PetscErrorCode Examine(Check *c, const char path[])
 
 PetscErrorCode MpmModeFileCheck(const MpmScene *scene, const char path[])
 {
-  Check       check = {.scene = scene};
-  PetscMPIInt rank;
+  Check check = {.scene = scene};
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) PetscCall(Examine(&check, path));
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(Examine(&check, path));
   PetscCallMPI(MPI_Bcast(check.why, sizeof check.why, MPI_CHAR, 0, PETSC_COMM_WORLD));
   MpmCheckInput(!check.why[0], "mode_file %s: %s", path, check.why);
   PetscFunctionReturn(PETSC_SUCCESS);

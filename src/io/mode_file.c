@@ -4,11 +4,9 @@
 #include "march/march_private.h"
 #include <math.h>
 
-PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room)
+void MpmModeFileGroup(const MpmScene *scene, char group[], size_t room)
 {
-  PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(group, room, "/modes/%04" PetscInt_FMT, scene->mode[0]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(group, room, "/modes/%04" PetscInt_FMT, scene->mode[0]);
 }
 
 /* Closes the file. It was whole when the program began, but somebody may have changed it since. */
@@ -28,7 +26,7 @@ PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], Petsc
   char    group[64];
 
   PetscFunctionBegin;
-  PetscCall(MpmModeFileGroup(scene, group, sizeof group));
+  MpmModeFileGroup(scene, group, sizeof group);
   PetscCall(MpmHdf5Open(PETSC_COMM_WORLD, path, &file));
   if (!MpmHdf5ReadAttribute(&file, group, "growth", H5T_NATIVE_DOUBLE, growth)) file.failed = PETSC_TRUE;
   PetscCall(CloseRead(path, &file));
@@ -52,7 +50,7 @@ static PetscErrorCode ReadField(const MpmScene *scene, MpmHdf5 *file, const char
   PetscCall(VecCreateMPI(file->comm, PETSC_DECIDE, (PetscInt)scene->layout.particles, &by_id));
   PetscCall(VecGetOwnershipRange(by_id, &begin, &end));
   PetscCall(VecGetArray(by_id, &part));
-  PetscCall(MpmHdf5Read(file, name, H5T_NATIVE_DOUBLE, begin, end - begin, part));
+  MpmHdf5Read(file, name, H5T_NATIVE_DOUBLE, begin, end - begin, part);
   PetscCall(VecRestoreArray(by_id, &part));
   PetscCall(PetscMalloc1(particles->count, &rows));
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
@@ -80,12 +78,12 @@ static PetscErrorCode ReadPart(const MpmScene *scene, MpmHdf5 *file, const char 
   char group[64], name[128];
 
   PetscFunctionBegin;
-  PetscCall(MpmModeFileGroup(scene, group, sizeof group));
+  MpmModeFileGroup(scene, group, sizeof group);
   *largest = 0;
   for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *q;
 
-    PetscCall(PetscSNPrintf(name, sizeof name, "%s/%s_%s", group, scene->scheme.table->fields[f], part));
+    (void)snprintf(name, sizeof name, "%s/%s_%s", group, scene->scheme.table->fields[f], part);
     PetscCall(MpmParticlesGet(particles, scene->scheme.table->fields[f], &q));
     PetscCall(ReadField(scene, file, name, particles, q));
     for (PetscInt p = 0; p < particles->count; p++) *largest = PetscMax(*largest, fabs(q[p]));

@@ -9,7 +9,7 @@
 PetscErrorCode MpmModeFileCheck(const MpmScene *scene, const char path[]);
 
 /* Not collective. Names the group of the file that holds the scene's mode. */
-PetscErrorCode MpmModeFileGroup(const MpmScene *scene, char group[], size_t room);
+void MpmModeFileGroup(const MpmScene *scene, char group[], size_t room);
 
 /* Collective. Reads the growth per step of the mode's eigenvalue. */
 PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], PetscReal *growth);

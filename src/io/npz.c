@@ -140,7 +140,7 @@ static PetscErrorCode ParseNpy(const char name[], const unsigned char *bytes, si
   MpmArray    *a;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array %s is not one of numpy's; allowed: what numpy.savez writes", name));
+  (void)snprintf(why, MPM_WHY_TEXT, "array %s is not one of numpy's; allowed: what numpy.savez writes", name);
   if (size < prefix || memcmp(bytes, MAGIC, MAGIC_SIZE)) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = prefix; i > 8; i--) length = length << 8 | bytes[i - 1];
   if (length >= sizeof header || length > size - prefix) PetscFunctionReturn(PETSC_SUCCESS);
@@ -150,8 +150,8 @@ static PetscErrorCode ParseNpy(const char name[], const unsigned char *bytes, si
   size -= prefix + length;
   order = After(header, "'fortran_order'");
   if (!ParseType(After(header, "'descr'"), &type) || !order || !ParseShape(After(header, "'shape'"), &dims, shape)) {
-    PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array %s: its type or shape; allowed: %s, in up to %d dimensions", name,
-                            NUMBERS, MPM_ARRAY_DIMS));
+    (void)snprintf(why, MPM_WHY_TEXT, "array %s: its type or shape; allowed: %s, in up to %d dimensions", name, NUMBERS,
+                   MPM_ARRAY_DIMS);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (type.kind == 'S' || type.kind == 'U') {
@@ -161,14 +161,14 @@ static PetscErrorCode ParseNpy(const char name[], const unsigned char *bytes, si
     why[0] = '\0';
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array %s has %s; allowed: %s", name,
-                          type.kind == 'c' ? "complex numbers" : "no numbers", NUMBERS));
+  (void)snprintf(why, MPM_WHY_TEXT, "array %s has %s; allowed: %s", name,
+                 type.kind == 'c' ? "complex numbers" : "no numbers", NUMBERS);
   if (!strchr("fiub", type.kind) || !IsNumber(&type)) PetscFunctionReturn(PETSC_SUCCESS);
   for (int d = 0; d < dims; d++) n *= (PetscReal)shape[d];
-  PetscCall(PetscSNPrintf(why, MPM_WHY_TEXT, "array %s is shorter than its shape says; allowed: a whole file", name));
+  (void)snprintf(why, MPM_WHY_TEXT, "array %s is shorter than its shape says; allowed: a whole file", name);
   if (n * (PetscReal)type.width > (PetscReal)size) PetscFunctionReturn(PETSC_SUCCESS);
   why[0] = '\0';
-  PetscCall(MpmMemoryRoom(sizeof(PetscReal) * n, MPM_WHY_TEXT, why));
+  MpmMemoryRoom(sizeof(PetscReal) * n, MPM_WHY_TEXT, why);
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmArraysAdd(arrays, name, dims, shape, &a));
   Fill(bytes, &type, *order == 'T' ? PETSC_TRUE : PETSC_FALSE, a);
@@ -207,9 +207,9 @@ static PetscErrorCode ReadMembers(zip_t *archive, const char *const names[], Mpm
     zip_stat_t     member;
     unsigned char *bytes;
 
-    PetscCall(PetscSNPrintf(name, sizeof name, "%s.npy", names[k]));
+    (void)snprintf(name, sizeof name, "%s.npy", names[k]);
     if (zip_stat(archive, name, 0, &member)) continue;
-    PetscCall(MpmMemoryRoom((PetscReal)member.size + (PetscReal)member.comp_size, MPM_WHY_TEXT, why));
+    MpmMemoryRoom((PetscReal)member.size + (PetscReal)member.comp_size, MPM_WHY_TEXT, why);
     if (why[0]) break;
     PetscCall(Unpack(archive, &member, &bytes, &wrong));
     if (wrong) break;
@@ -217,8 +217,7 @@ static PetscErrorCode ReadMembers(zip_t *archive, const char *const names[], Mpm
     PetscCall(PetscFree(bytes));
   }
   if (wrong)
-    PetscCall(
-        PetscSNPrintf(why, MPM_WHY_TEXT, "%s%s", wrong, strstr(wrong, "allowed") ? "" : "; allowed: a whole .npz"));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s%s", wrong, strstr(wrong, "allowed") ? "" : "; allowed: a whole .npz");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -233,7 +232,7 @@ PetscErrorCode MpmArraysReadNpz(const char path[], const char *const names[], Mp
   *arrays = (MpmArrays){.n = 0};
   why[0]  = '\0';
   if (!stream) {
-    PetscCall(PetscStrncpy(why, "it cannot be opened; allowed: a file that can be read", MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s", "it cannot be opened; allowed: a file that can be read");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCheck(source, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for an archive");
@@ -243,7 +242,7 @@ PetscErrorCode MpmArraysReadNpz(const char path[], const char *const names[], Mp
     zip_discard(archive); /* which closes the stream */
   } else {
     zip_source_free(source);
-    PetscCall(PetscStrncpy(why, "it is cut off, or no zip archive; allowed: a whole .npz", MPM_WHY_TEXT));
+    (void)snprintf(why, MPM_WHY_TEXT, "%s", "it is cut off, or no zip archive; allowed: a whole .npz");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -252,33 +251,30 @@ PetscErrorCode MpmArraysReadNpz(const char path[], const char *const names[], Mp
 
 #define HEADER 128 /* bytes of an array before its numbers */
 
-static PetscErrorCode Header(const MpmArray *a, PetscBool whole, char header[HEADER + 1])
+static void Header(const MpmArray *a, PetscBool whole, char header[HEADER + 1])
 {
   char   shape[96] = "", type[16];
   size_t used;
 
-  PetscFunctionBegin;
   for (int d = 0; d < a->dims; d++) {
     char part[32];
 
-    PetscCall(PetscSNPrintf(part, sizeof part, "%" PetscInt64_FMT ",", a->shape[d]));
-    PetscCall(MpmTextJoin(shape, part, sizeof shape));
+    (void)snprintf(part, sizeof part, "%" PetscInt64_FMT ",", a->shape[d]);
+    MpmTextJoin(shape, part, sizeof shape);
   }
   if (a->dims < 0)
-    PetscCall(PetscSNPrintf(type, sizeof type, "|S%d", (int)strlen(a->text)));
+    (void)snprintf(type, sizeof type, "|S%d", (int)strlen(a->text));
   else
-    PetscCall(PetscStrncpy(type, whole ? "<i8" : "<f8", sizeof type));
+    (void)snprintf(type, sizeof type, "%s", whole ? "<i8" : "<f8");
   memset(header, ' ', HEADER);
   memcpy(header, MAGIC "\x01\x00", MAGIC_SIZE + 2);
   header[8] = (char)(HEADER - 10);
   header[9] = 0;
-  PetscCall(
-      PetscSNPrintf(header + 10, HEADER - 10, "{'descr': '%s', 'fortran_order': False, 'shape': (%s), }", type, shape));
+  (void)snprintf(header + 10, HEADER - 10, "{'descr': '%s', 'fortran_order': False, 'shape': (%s), }", type, shape);
   used               = strlen(header + 10);
   header[10 + used]  = ' '; /* in place of the end of the string */
   header[HEADER - 1] = '\n';
   header[HEADER]     = '\0';
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The bytes of an array, which the archive frees. */
@@ -291,7 +287,7 @@ static PetscErrorCode Pack(const MpmArray *a, PetscBool whole, size_t *size, cha
   *size  = HEADER + text + 8 * (size_t)a->n;
   *bytes = malloc(*size);
   PetscCheck(*bytes, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for %zu bytes of %s", *size, a->name);
-  PetscCall(Header(a, whole, header));
+  Header(a, whole, header);
   memcpy(*bytes, header, HEADER);
   memcpy(*bytes + HEADER, a->text, text);
   for (PetscInt64 i = 0; i < a->n; i++) {
@@ -334,7 +330,7 @@ PetscErrorCode MpmArraysWriteNpz(const MpmArrays *arrays, const char *const whol
     for (int k = 0; whole[k]; k++)
       if (!strcmp(whole[k], a->name)) as_integer = PETSC_TRUE;
     PetscCall(Pack(a, as_integer, &size, &bytes));
-    PetscCall(PetscSNPrintf(name, sizeof name, "%s.npy", a->name));
+    (void)snprintf(name, sizeof name, "%s.npy", a->name);
     place = zip_file_add(archive, name, zip_source_buffer(archive, bytes, size, 1), 0);
     PetscCheck(place >= 0 && !zip_set_file_compression(archive, (zip_uint64_t)place, ZIP_CM_STORE, 0) &&
                    !zip_file_set_mtime(archive, (zip_uint64_t)place, DAY, 0),

@@ -90,7 +90,7 @@ static PetscErrorCode WriteVector(MpmOutput *output, Vec vector, PetscInt n, con
   char             path[128];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(path, sizeof path, "%s/%s", place, name));
+  (void)snprintf(path, sizeof path, "%s/%s", place, name);
   PetscCall(VecGetLocalSize(vector, &size));
   PetscCall(VecGetBlockSize(vector, &width));
   PetscCall(VecGetArrayRead(vector, &values));
@@ -146,7 +146,7 @@ static PetscErrorCode WriteParticles(MpmOutput *output, const char group[], cons
   char place[80];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(place, sizeof place, "%s/particles", group));
+  (void)snprintf(place, sizeof place, "%s/particles", group);
   PetscCall(WriteCoordinates(output, place, march));
   for (PetscInt f = 0; output->scene->scheme.table->fields[f]; f++) {
     const char      *name = output->scene->scheme.table->fields[f];
@@ -197,7 +197,7 @@ static PetscErrorCode WriteNodes(MpmOutput *output, const char group[], MpmMarch
   char             place[80];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(place, sizeof place, "%s/nodes", group));
+  (void)snprintf(place, sizeof place, "%s/nodes", group);
   for (PetscInt a = 0; a + 1 < layout->dim; a++) row[a] = layout->grid[layout->dim - 2 - a].nodes; /* x is the last */
   for (PetscInt f = 0; output->scene->scheme.table->fields[f]; f++) {
     PetscReal *local;
@@ -212,23 +212,19 @@ static PetscErrorCode WriteNodes(MpmOutput *output, const char group[], MpmMarch
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode NameGroup(PetscInt64 step, size_t room, char group[])
+static void NameGroup(PetscInt64 step, size_t room, char group[])
 {
-  PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(group, room, "/step_%010" PetscInt64_FMT, step));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(group, room, "/step_%010" PetscInt64_FMT, step);
 }
 
 PetscErrorCode MpmOutputHasStep(const MpmRequest *request, PetscInt64 step, PetscBool *has)
 {
-  PetscMPIInt rank;
-  char        group[64];
+  char group[64];
 
   PetscFunctionBegin;
   *has = PETSC_FALSE;
-  PetscCall(NameGroup(step, sizeof group, group));
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0 && !access(request->output, R_OK) && !access(request->xmf, R_OK)) {
+  NameGroup(step, sizeof group, group);
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0 && !access(request->output, R_OK) && !access(request->xmf, R_OK)) {
     PetscBool failed;
     MpmHdf5   file;
 
@@ -247,11 +243,11 @@ PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
   char            group[64];
 
   PetscFunctionBegin;
-  PetscCall(NameGroup(march->step, sizeof group, group));
+  NameGroup(march->step, sizeof group, group);
   PetscCall(WriteParticles(output, group, march));
   PetscCall(WriteNodes(output, group, march));
-  PetscCall(MpmHdf5WriteReal(&output->file.hdf5, group, "time", time));
-  PetscCall(MpmHdf5WriteReal(&output->file.hdf5, group, "step", step));
+  MpmHdf5WriteReal(&output->file.hdf5, group, "time", time);
+  MpmHdf5WriteReal(&output->file.hdf5, group, "step", step);
   PetscCall(MpmDataFileCheck(&output->file));
   if (output->xmf.stream)
     MpmXdmfStep(output->xmf.stream, output->scene, slash ? slash + 1 : output->file.path, group, time);

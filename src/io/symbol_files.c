@@ -49,13 +49,11 @@ static PetscErrorCode WriteFormulas(const MpmSymbol *s, const MpmPredictor *p, M
 /* Writes one growth of each class, which the ranks have computed. */
 static PetscErrorCode WriteGrowth(const MpmSymbol *s, const char name[], const PetscReal per_phase[], MpmDataFile *file)
 {
-  PetscMPIInt rank;
-  PetscReal  *growth;
+  PetscReal *growth;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(file->hdf5.comm, &rank));
   PetscCall(MpmSymbolGather(file->hdf5.comm, s, per_phase, &growth));
-  PetscCall(WriteCurve(s, name, growth, rank ? PETSC_FALSE : PETSC_TRUE, file));
+  PetscCall(WriteCurve(s, name, growth, MpmRankOf(file->hdf5.comm) ? PETSC_FALSE : PETSC_TRUE, file));
   PetscCall(PetscFree(growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -51,7 +51,7 @@ static PetscErrorCode SetMethod(EPS eps, MpmEigenMethod method, PetscInt order)
     PetscCall(MpmErrorsGivenOptions(&given));
     error = MpmRefusal("-eps_*, -st_*: SLEPc refuses one of them, given: %s; allowed: see its manual pages",
                        given.text ? given.text : "none");
-    PetscCall(MpmTextFree(&given));
+    MpmTextFree(&given);
     PetscCall(error);
   }
   if (method == MPM_EIGEN_TARGET) PetscCall(MpmEigenTargetBasis(eps));

@@ -62,7 +62,7 @@ static PetscErrorCode CheckMatrix(MPI_Comm comm, const MpmOperator *op)
   char             size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
-  PetscCall(MpmLayoutSizeText(layout, sizeof size, size));
+  MpmLayoutSizeText(layout, sizeof size, size);
   for (PetscInt o = 0; o < table->nops; o++) {
     const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
 
@@ -272,7 +272,7 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
   o->scheme = scheme;
   o->step   = *step;
   o->fields = scheme->table->nstate;
-  PetscCall(MpmLayoutSizeText(layout, sizeof size, size));
+  MpmLayoutSizeText(layout, sizeof size, size);
   MpmCheckInput(o->fields * layout->particles <= PETSC_MAX_INT / 2,
                 "%s: too many unknowns, %" PetscInt64_FMT "; allowed: at most %d", size, o->fields * layout->particles,
                 PETSC_MAX_INT / 2);

@@ -234,11 +234,10 @@ static PetscErrorCode RespondToAll(MpmProbe *p, PetscReal amount[], PetscReal re
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode TakeScales(const MpmStepper *s, MpmCertificates *c)
+static void TakeScales(const MpmStepper *s, MpmCertificates *c)
 {
   const char *found = s->unsettled <= c->bound[MPM_CERTIFY_SCALES] ? "found" : "guessed";
 
-  PetscFunctionBegin;
   if (s->searched) c->value[MPM_CERTIFY_SCALES] = s->unsettled;
   c->nfields = s->nfields;
   for (PetscInt f = 0; f < s->nfields; f++) {
@@ -246,14 +245,12 @@ static PetscErrorCode TakeScales(const MpmStepper *s, MpmCertificates *c)
     const PetscBool        cell  = f == s->place && field->scale == s->cell_width ? PETSC_TRUE : PETSC_FALSE;
 
     c->field[f].scale = field->scale;
-    PetscCall(PetscStrncpy(c->field[f].name, field->name, sizeof c->field[f].name));
-    PetscCall(PetscStrncpy(c->field[f].from,
-                           field->found ? found
-                           : cell       ? "cell_width"
-                                        : "declared",
-                           sizeof c->field[f].from));
+    (void)snprintf(c->field[f].name, sizeof c->field[f].name, "%s", field->name);
+    (void)snprintf(c->field[f].from, sizeof c->field[f].from, "%s",
+                   field->found ? found
+                   : cell       ? "cell_width"
+                                : "declared");
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, const PetscBool apart[], MpmCertificates *c)
@@ -271,7 +268,7 @@ PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, const PetscBool 
   PetscCall(Additivity(p, size, c));
   PetscCall(OneSided(p, size, c));
   c->value[MPM_CERTIFY_EQUILIBRIUM] = MpmProbeMoved(p, &c->most[MPM_CERTIFY_EQUILIBRIUM]);
-  PetscCall(TakeScales(p->stepper, c));
+  TakeScales(p->stepper, c);
   p->apart = NULL;
   PetscCall(MpmStepperAgree(p->stepper));
   PetscCall(Share(c));
@@ -290,7 +287,7 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const Mpm
   p->apart = apart;
   PetscCall(RespondToAll(p, amount, response));
   p->apart = NULL;
-  PetscCall(MpmProbeBlocksCompare(p, l, one, amount, response, apart, &differ, &compared));
+  MpmProbeBlocksCompare(p, l, one, amount, response, apart, &differ, &compared);
   PetscCall(MpmProbeBlocksDistance(kept, other, &c->value[MPM_CERTIFY_SIZES]));
   c->cells = p->stepper->particles / l->sites;
   if (compared) c->value[MPM_CERTIFY_COLUMNS] = differ;

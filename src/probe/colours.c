@@ -30,11 +30,10 @@ static PetscInt CellOf(const MpmStepper *s, PetscInt64 i, PetscInt a)
 }
 
 /* With a period cells are counted around it, without one from the first particle to the last. */
-static PetscErrorCode Box(Colouring *c)
+static void Box(Colouring *c)
 {
   const MpmStepper *s = c->probe->stepper;
 
-  PetscFunctionBegin;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) c->cells[a] = 1;
   for (PetscInt a = 0; a < c->dim; a++) {
     PetscInt least = CellOf(s, 0, a), most = least;
@@ -53,7 +52,6 @@ static PetscErrorCode Box(Colouring *c)
       c->cell[i * c->dim + a] = (at % c->cells[a] + c->cells[a]) % c->cells[a];
     }
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscInt Number(const Colouring *c, const PetscInt cell[])
@@ -95,7 +93,7 @@ static PetscErrorCode Begin(MpmProbe *p, Colouring *c)
                 "description",
                 s->where);
   PetscCall(PetscMalloc2(s->particles * s->dim, &c->cell, s->particles, &c->slot));
-  PetscCall(Box(c));
+  Box(c);
   PetscCall(Slots(c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -164,9 +162,8 @@ static PetscErrorCode Reach(Colouring *c)
 }
 
 /* Cells of a group are a stride apart. Around a period the cells that are left over have groups of their own. */
-static PetscErrorCode Strides(Colouring *c, MpmProbeColours *colours)
+static void Strides(Colouring *c, MpmProbeColours *colours)
 {
-  PetscFunctionBegin;
   colours->colours = c->slots * c->probe->stepper->width;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
     const PetscInt wish = 2 * c->reach[a] + 1 + FREE, n = c->cells[a];
@@ -179,7 +176,6 @@ static PetscErrorCode Strides(Colouring *c, MpmProbeColours *colours)
     colours->reach[a] = c->reach[a];
     colours->colours *= c->groups[a];
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The group of a cell along a direction. */
@@ -199,7 +195,7 @@ PetscErrorCode MpmProbeReach(MpmProbe *p, MpmProbeColours *colours)
   *colours = (MpmProbeColours){.colours = 0};
   PetscCall(Begin(p, &c));
   PetscCall(Reach(&c));
-  PetscCall(Strides(&c, colours));
+  Strides(&c, colours);
   colours->everywhere = PETSC_TRUE;
   for (PetscInt a = 0; a < c.dim; a++)
     if (2 * c.reach[a] + 1 < c.cells[a]) colours->everywhere = PETSC_FALSE;
@@ -290,12 +286,10 @@ static PetscErrorCode Columns(Colouring *c, PetscReal size, MpmProbeColours *col
   const MpmStepper *s       = c->probe->stepper;
   PetscReal         seen[2] = {0, 0};
   MpmProgress       progress;
-  PetscMPIInt       rank, ranks;
+  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD), rank = MpmRankOf(PETSC_COMM_WORLD);
   Room              r = {.largest = 0};
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(PetscMalloc4(s->particles, &r.unknown, s->particles, &r.amount, s->particles, &r.by,
                          s->particles * s->width, &r.response));
   PetscCall(MpmProgressBegin("colours probed", &progress));
@@ -325,7 +319,7 @@ PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, MpmProbeColours *colo
   PetscCall(Reach(&c));
   for (PetscInt a = 0; a < c.dim; a++) c.reach[a] = PetscMax(c.reach[a], colours->reach[a]);
   do {
-    PetscCall(Strides(&c, colours));
+    Strides(&c, colours);
     PetscCall(MatDestroy(A));
     PetscCall(MpmProbeNewMatrix(p->stepper, PETSC_FALSE, A));
     PetscCall(Columns(&c, size, colours, *A));

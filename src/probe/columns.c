@@ -2,6 +2,7 @@
 #include "probe/columns.h"
 #include "base/hash.h"
 #include "base/progress.h"
+#include <mpmstab/errors.h>
 #include <math.h>
 
 #define VECTORS 4 /* random ones, for a norm */
@@ -9,10 +10,8 @@
 /* The rows of a rank are whole particles. */
 static PetscInt LocalRows(const MpmStepper *s)
 {
-  PetscMPIInt rank, ranks;
+  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD), rank = MpmRankOf(PETSC_COMM_WORLD);
 
-  (void)MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  (void)MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
   return (PetscInt)(s->particles * (rank + 1) / ranks - s->particles * rank / ranks) * s->width;
 }
 
@@ -45,15 +44,13 @@ static PetscErrorCode FillDiagonal(Mat A)
 
 PetscErrorCode MpmProbeColumns(MpmProbe *p, PetscReal size, Mat *A)
 {
-  const PetscInt n = (PetscInt)p->stepper->particles * p->stepper->width;
-  PetscReal     *response;
-  PetscInt      *rows;
-  PetscMPIInt    rank, ranks;
-  MpmProgress    progress;
+  const PetscInt    n = (PetscInt)p->stepper->particles * p->stepper->width;
+  PetscReal        *response;
+  PetscInt         *rows;
+  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD), rank = MpmRankOf(PETSC_COMM_WORLD);
+  MpmProgress       progress;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmProbeNewMatrix(p->stepper, PETSC_TRUE, A));
   PetscCall(PetscMalloc2(n, &response, n, &rows));
   for (PetscInt i = 0; i < n; i++) rows[i] = i;
@@ -92,15 +89,13 @@ static PetscErrorCode Respond(Shell *shell, const PetscScalar x[], PetscReal lar
 {
   const MpmStepper *s = shell->probe->stepper;
   const PetscInt64  n = s->particles * s->width;
-  PetscMPIInt       rank;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   for (PetscInt64 i = 0; i < n; i++) {
     shell->unknown[i] = i;
     shell->amount[i]  = shell->size / largest * x[i];
   }
-  if (rank == 0)
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0)
     PetscCall(MpmProbeRespond(shell->probe, PETSC_FALSE, n, shell->unknown, shell->amount, shell->response));
   PetscCall(MpmStepperAgree(shell->probe->stepper));
   PetscCallMPI(MPI_Bcast(shell->response, (PetscMPIInt)n, MPIU_REAL, 0, PETSC_COMM_WORLD));

@@ -103,8 +103,8 @@ static PetscErrorCode AddParticles(const MpmProgram *p, const char text[], MpmTe
   }
   if (!SaysOneOf(text, counts)) PetscCall(MpmTextAdd(yaml, "ppc: %s\n", ppc.text));
   if (!Says(text, "offset")) PetscCall(MpmTextAdd(yaml, "offset: %s\n", offset.text));
-  PetscCall(MpmTextFree(&ppc));
-  PetscCall(MpmTextFree(&offset));
+  MpmTextFree(&ppc);
+  MpmTextFree(&offset);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -155,7 +155,7 @@ static PetscErrorCode MakeScene(const MpmProgram *p, MpmScene **scene)
   PetscCall(AddParticles(p, text, &yaml));
   PetscCall(AddStep(p, text, &yaml));
   PetscCall(MpmSceneFromNamedText("-compare", yaml.text, scene));
-  PetscCall(MpmTextFree(&yaml));
+  MpmTextFree(&yaml);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,7 +175,7 @@ static PetscErrorCode OwnSide(const MpmScene *scene, const MpmBlocks *blocks, Mp
 
     if (r == 0 || of != t->field[r - 1]) {
       field = &side->fields[side->nfields++];
-      PetscCall(PetscStrncpy(field->name, t->fields[r], PetscMin(strcspn(t->fields[r], "_") + 1, sizeof field->name)));
+      (void)snprintf(field->name, PetscMin(strcspn(t->fields[r], "_") + 1, sizeof field->name), "%s", t->fields[r]);
       field->first = r;
       if (of == MPM_NONE)
         field->kind = MPM_MATCH_MATRIX;
@@ -228,11 +228,10 @@ static PetscErrorCode TheirSites(const MpmProgram *p, const MpmScene *scene, Mpm
 }
 
 /* Their operator, and its fields without the numbers that are set apart. */
-static PetscErrorCode TheirFields(const MpmProgram *p, const MpmBlocks *blocks, MpmMatchSide *side)
+static void TheirFields(const MpmProgram *p, const MpmBlocks *blocks, MpmMatchSide *side)
 {
   const MpmStepper *s = p->stepper;
 
-  PetscFunctionBegin;
   side->blocks = blocks;
   side->width  = p->unread.n;
   for (PetscInt f = 0; f < s->nfields && side->nfields < MPM_MATCH_WIDTH; f++) {
@@ -240,11 +239,10 @@ static PetscErrorCode TheirFields(const MpmProgram *p, const MpmBlocks *blocks, 
 
     for (PetscInt c = 0; c < s->fields[f].size; c++) field->size += !p->unread.apart[s->fields[f].first + c];
     if (!field->size) continue;
-    PetscCall(PetscStrncpy(field->name, s->fields[f].name, sizeof field->name));
+    (void)snprintf(field->name, sizeof field->name, "%s", s->fields[f].name);
     if (side->nfields) field->first = field[-1].first + field[-1].size;
     side->nfields++;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- the comparison ---- */
@@ -277,8 +275,8 @@ static PetscErrorCode TryScheme(MpmCompareProgram *c, const MpmScheme *scheme, M
   PetscCall(OwnSide(&like, &blocks, &side));
   PetscCall(MpmMatchFind(&side, &c->theirs, c->bound, match));
   if (match->fits && match->differ <= c->bound && c->nsame < MPM_COMPARE_SAME)
-    PetscCall(PetscSNPrintf(c->same_as[c->nsame++], sizeof c->same_as[0], "formulation=%s,transfer=%s,basis=%s",
-                            scheme->formulation->name, scheme->transfer->name, scheme->basis->name));
+    (void)snprintf(c->same_as[c->nsame++], sizeof c->same_as[0], "formulation=%s,transfer=%s,basis=%s",
+                   scheme->formulation->name, scheme->transfer->name, scheme->basis->name);
   PetscCall(PetscFree(side.site));
   PetscCall(MpmBlocksFree(&blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -339,7 +337,7 @@ PetscErrorCode MpmCompareProgramFind(const MpmProgram *p, const MpmBlocks *block
                                      MpmCompareProgram *c)
 {
   PetscFunctionBegin;
-  PetscCall(TheirFields(p, blocks, &c->theirs));
+  TheirFields(p, blocks, &c->theirs);
   PetscCall(PetscNew(&c->match));
   PetscCall(MpmMatchFind(&c->own, &c->theirs, c->bound, c->match));
   c->same = (c->match->fits ? c->match->differ : c->match->factors) <= c->bound ? PETSC_TRUE : PETSC_FALSE;

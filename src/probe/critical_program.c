@@ -318,13 +318,13 @@ PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
   *c = (MpmCriticalProgram){
       .name = p->request->program_dt[0] ? p->request->program_dt : "dt", .dim = stepper->dim, .critical = NAN};
   for (int i = 0; i < MPM_LIMIT_KINDS; i++) c->limit[i] = NAN;
-  PetscCall(MpmStepperParameterOf(stepper, c->name, &c->given, &found));
+  MpmStepperParameterOf(stepper, c->name, &c->given, &found);
   if (!found) {
     PetscCall(MpmStepperParameterNames(stepper, &names));
     ierr = MpmRefusal(
         "-program_dt %s: the code has no parameter of this name, and so no time step to search for; allowed: %s",
         c->name, names.text);
-    PetscCall(MpmTextFree(&names));
+    MpmTextFree(&names);
     PetscCall(ierr);
   }
   MpmCheckInput(c->given > 0, "-program_dt %s: it is %g in the code; allowed: a time step above 0", c->name,

@@ -62,20 +62,18 @@ static PetscBool FindCells(const MpmProbePlaces *p, MpmProbeLattice *l, Place pl
 }
 
 /* Whether cells have as many particles, at the same sites; places are sorted. */
-static PetscErrorCode CheckSites(const MpmProbePlaces *p, const MpmProbeLattice *l, const Place places[], size_t room,
-                                 char why_not[])
+static void CheckSites(const MpmProbePlaces *p, const MpmProbeLattice *l, const Place places[], size_t room,
+                       char why_not[])
 {
   const PetscInt all = l->cells[0] * l->cells[1] * l->cells[2];
 
-  PetscFunctionBegin;
   for (PetscInt64 i = 0; i < p->n && !why_not[0]; i++)
     if (p->n % all || places[i].cell != i / l->sites)
-      PetscCall(PetscSNPrintf(why_not, room, "cells have different numbers of particles"));
+      (void)snprintf(why_not, room, "cells have different numbers of particles");
   for (PetscInt64 i = l->sites; i < p->n && !why_not[0]; i++)
     for (PetscInt a = 0; a < p->dim; a++)
       if (PetscAbsReal(places[i].xi[a] - places[i % l->sites].xi[a]) > p->near)
-        PetscCall(PetscSNPrintf(why_not, room, "the particles of some cells have other places in them"));
-  PetscFunctionReturn(PETSC_SUCCESS);
+        (void)snprintf(why_not, room, "the particles of some cells have other places in them");
 }
 
 /* Keeps the places of sites, and how far apart they are at most along each direction, also across a face. */
@@ -114,9 +112,9 @@ PetscErrorCode MpmProbeLatticeFind(const MpmProbePlaces *p, MpmProbeLattice *l, 
   if (FindCells(p, l, places)) {
     l->sites = (PetscInt)(p->n / (l->cells[0] * l->cells[1] * l->cells[2]));
     qsort(places, (size_t)p->n, sizeof *places, ByPlace);
-    PetscCall(CheckSites(p, l, places, room, why_not));
+    CheckSites(p, l, places, room, why_not);
   } else
-    PetscCall(PetscSNPrintf(why_not, room, "some cells have none of the particles"));
+    (void)snprintf(why_not, room, "some cells have none of the particles");
   if (!why_not[0]) {
     PetscCall(PetscMalloc3(p->n, &l->particle, p->n, &l->cell_of, p->n, &l->site_of));
     for (PetscInt64 i = 0; i < p->n; i++) {
@@ -155,7 +153,7 @@ PetscErrorCode MpmProbeLatticeOf(const MpmProbe *p, MpmProbeLattice *l, size_t r
   PetscFunctionBegin;
   *l = (MpmProbeLattice){.sites = 0};
   if (s->place == MPM_NONE && !s->cell) {
-    PetscCall(PetscSNPrintf(why_not, room, "no field is the place, and there are no cells"));
+    (void)snprintf(why_not, room, "no field is the place, and there are no cells");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscMalloc1(s->particles * s->dim, &at));
@@ -164,8 +162,7 @@ PetscErrorCode MpmProbeLatticeOf(const MpmProbe *p, MpmProbeLattice *l, size_t r
   for (PetscInt a = 0; a < s->dim; a++) places.period[a] = s->period[a] / s->cell_width;
   places.at = at;
   PetscCall(MpmProbeLatticeFind(&places, l, room, why_not));
-  if (!why_not[0] && !ValuesAlike(p, l))
-    PetscCall(PetscSNPrintf(why_not, room, "the particles of some cells have other values"));
+  if (!why_not[0] && !ValuesAlike(p, l)) (void)snprintf(why_not, room, "the particles of some cells have other values");
   PetscCall(PetscFree(at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -282,12 +279,10 @@ PetscErrorCode MpmProbeBlocks(MpmProbe *p, const MpmProbeLattice *l, PetscInt ce
   const MpmStepper *s     = p->stepper;
   const PetscInt    cells = l->cells[0] * l->cells[1] * l->cells[2], order = l->sites * s->width;
   PetscReal        *response, *all;
-  PetscMPIInt       rank, ranks;
+  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD), rank = MpmRankOf(PETSC_COMM_WORLD);
   MpmProgress       progress;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   *b = (MpmBlocks){.dim = s->dim, .size = order, .period = p->steps, .cell_width = s->cell_width};
   PetscCall(PetscMalloc1(s->particles * s->width, &response));
   PetscCall(PetscCalloc1((size_t)cells * order * order, &all));
@@ -379,14 +374,12 @@ static PetscBool IsInside(const MpmProbeLattice *l, const MpmBlocks *b, PetscInt
   return PETSC_TRUE;
 }
 
-PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *p, const MpmProbeLattice *l, const MpmBlocks *b,
-                                     const PetscReal amount[], const PetscReal response[], const PetscBool apart[],
-                                     PetscReal *differ, PetscInt *compared)
+void MpmProbeBlocksCompare(const MpmProbe *p, const MpmProbeLattice *l, const MpmBlocks *b, const PetscReal amount[],
+                           const PetscReal response[], const PetscBool apart[], PetscReal *differ, PetscInt *compared)
 {
   const PetscInt w = p->stepper->width, all = l->cells[0] * l->cells[1] * l->cells[2], order = b->size;
   PetscReal      largest = 0;
 
-  PetscFunctionBegin;
   *differ   = 0;
   *compared = 0;
   for (PetscInt cell = 0; cell < all; cell++) {
@@ -408,5 +401,4 @@ PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *p, const MpmProbeLattice *l
     }
   }
   if (largest > 0) *differ /= largest;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

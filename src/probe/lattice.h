@@ -71,6 +71,6 @@ PetscErrorCode MpmProbeBlocksDistance(const MpmBlocks *one, const MpmBlocks *oth
    Not collective. amount, response: as MpmProbeRandom has them. apart[c]: whether number c of a particle is left out. differ: the largest difference, over the
    largest number of the response. compared: the number of cells.
 */
-PetscErrorCode MpmProbeBlocksCompare(const MpmProbe *probe, const MpmProbeLattice *lattice, const MpmBlocks *blocks,
-                                     const PetscReal amount[], const PetscReal response[], const PetscBool apart[],
-                                     PetscReal *differ, PetscInt *compared);
+void MpmProbeBlocksCompare(const MpmProbe *probe, const MpmProbeLattice *lattice, const MpmBlocks *blocks,
+                           const PetscReal amount[], const PetscReal response[], const PetscBool apart[],
+                           PetscReal *differ, PetscInt *compared);

@@ -317,22 +317,20 @@ static PetscErrorCode CompareFactors(const MpmMatchSide *one, const MpmMatchSide
 }
 
 /* Which numbers each side keeps, as v 2, s 3. */
-static PetscErrorCode ListFields(const MpmMatchSide *one, const MpmMatchSide *other, MpmMatch *m)
+static void ListFields(const MpmMatchSide *one, const MpmMatchSide *other, MpmMatch *m)
 {
   const MpmMatchSide *const sides[] = {one, other};
   char                      text[32];
 
-  PetscFunctionBegin;
   for (int s = 0; s < 2; s++) {
-    PetscCall(MpmTextJoin(m->why_not, s ? "; yours keeps" : "ours keeps", sizeof m->why_not));
+    MpmTextJoin(m->why_not, s ? "; yours keeps" : "ours keeps", sizeof m->why_not);
     for (PetscInt f = 0; f < sides[s]->nfields; f++) {
-      PetscCall(MpmTextJoin(m->why_not, f ? ", " : " ", sizeof m->why_not));
-      PetscCall(MpmTextJoin(m->why_not, sides[s]->fields[f].name, sizeof m->why_not));
-      PetscCall(PetscSNPrintf(text, sizeof text, " (%" PetscInt_FMT ")", sides[s]->fields[f].size));
-      PetscCall(MpmTextJoin(m->why_not, text, sizeof m->why_not));
+      MpmTextJoin(m->why_not, f ? ", " : " ", sizeof m->why_not);
+      MpmTextJoin(m->why_not, sides[s]->fields[f].name, sizeof m->why_not);
+      (void)snprintf(text, sizeof text, " (%" PetscInt_FMT ")", sides[s]->fields[f].size);
+      MpmTextJoin(m->why_not, text, sizeof m->why_not);
     }
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmMatchFind(const MpmMatchSide *one, const MpmMatchSide *other, PetscReal bound, MpmMatch *m)
@@ -356,7 +354,7 @@ PetscErrorCode MpmMatchFind(const MpmMatchSide *one, const MpmMatchSide *other, 
     PetscCall(PetscArraycpy(m->factor, best.factor, p.width));
     ListDifferences(&p, &best, bound, m);
   } else
-    PetscCall(ListFields(one, other, m));
+    ListFields(one, other, m);
   for (int s = 0; s < 2; s++) PetscCall(PetscFree(p.A[s]));
   PetscCall(PetscFree(p.d));
   PetscFunctionReturn(PETSC_SUCCESS);

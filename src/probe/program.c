@@ -17,7 +17,7 @@ static PetscErrorCode SetParameters(MpmProgram *p)
   char text[PETSC_MAX_PATH_LEN], *next = text;
 
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(text, p->request->program_set, sizeof text));
+  (void)snprintf(text, sizeof text, "%s", p->request->program_set);
   while (next && *next) {
     char     *one = next, *value, *end = NULL;
     PetscReal number;

@@ -66,7 +66,7 @@ PetscErrorCode MpmProgramJudgeWaves(MpmProgram *p, const PetscInt phases[], Pets
   PetscCall(MpmBlocksSource(&two, p->stepper->name, &source));
   PetscCall(MpmSourceGrowthAt(&source, beta, &other));
   *f = (MpmFinding){.growth = at.growth, .tolerance = p->tolerance};
-  PetscCall(PetscStrncpy(f->evidence, "the symbol of the interior, sought over all waves", sizeof f->evidence));
+  (void)snprintf(f->evidence, sizeof f->evidence, "%s", "the symbol of the interior, sought over all waves");
   PetscCall(MpmProgramJudge(p, other.growth, at.condition, f));
   PetscCall(MpmBlocksFree(&one));
   PetscCall(MpmBlocksFree(&two));

@@ -13,7 +13,7 @@ static PetscErrorCode RefuseAxis(const MpmStepper *s, const char name[])
   PetscFunctionBegin;
   PetscCall(MpmStepperParameterNames(s, &names));
   ierr = MpmRefusal("-map_axes %s: %s has no such parameter; allowed: %s", name, s->where, names.text);
-  PetscCall(MpmTextFree(&names));
+  MpmTextFree(&names);
   PetscFunctionReturn(ierr);
 }
 
@@ -26,7 +26,7 @@ static PetscErrorCode CheckAxes(const MpmStabilityMap *map)
     PetscBool found;
     PetscReal value;
 
-    PetscCall(MpmStepperParameterOf(s, map->request->axes[a].name, &value, &found));
+    MpmStepperParameterOf(s, map->request->axes[a].name, &value, &found);
     if (!found) PetscCall(RefuseAxis(s, map->request->axes[a].name));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -78,21 +78,18 @@ static PetscErrorCode Solve(MpmStabilityMap *m)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Explain(MpmStabilityMap *m)
+static void Explain(MpmStabilityMap *m)
 {
   const PetscInt n = m->points[0] * m->points[1];
   MpmFinding    *f = &m->finding;
 
-  PetscFunctionBegin;
   f->tolerance = m->program->tolerance;
   if (m->waves)
-    PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
-                            "the symbol of the interior at each of %" PetscInt_FMT " points, sought over all waves",
-                            n));
+    (void)snprintf(f->evidence, sizeof f->evidence,
+                   "the symbol of the interior at each of %" PetscInt_FMT " points, sought over all waves", n);
   else
-    PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
-                            "the operator of all particles at each of %" PetscInt_FMT " points", n));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(f->evidence, sizeof f->evidence, "the operator of all particles at each of %" PetscInt_FMT " points",
+                   n);
 }
 
 PetscErrorCode MpmStabilityMapOfProgram(MpmProgram *p, MpmStabilityMap **map)
@@ -120,7 +117,7 @@ PetscErrorCode MpmStabilityMapOfProgram(MpmProgram *p, MpmStabilityMap **map)
   PetscCall(PetscMalloc1(n, &m->fault));
   PetscCall(Solve(m));
   PetscCall(MpmStabilityMapSum(m));
-  PetscCall(Explain(m));
+  Explain(m);
   PetscCall(GoTo(m, m->worst));
   PetscCall(Judge(m, beta, &worst));
   m->seconds = MPI_Wtime() - begin;

@@ -1,6 +1,7 @@
 /* Scales of a code's fields: those that it has not declared are found by <mpmstab_scales.h>. */
 #include "probe/probe.h"
 #include "base/hash.h"
+#include <mpmstab/errors.h>
 #include <mpmstab_scales.h>
 #include <float.h>
 
@@ -81,19 +82,17 @@ static PetscErrorCode Search(MpmProbe *p, mpmstab_scales *scales)
 
 PetscErrorCode MpmProbeScales(MpmProbe *p)
 {
-  MpmStepper    *s = p->stepper;
-  PetscMPIInt    rank;
+  MpmStepper    *s   = p->stepper;
   PetscBool      all = PETSC_TRUE;
   mpmstab_scales scales;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(s->width, &p->scale));
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   Begin(s, PETSC_FALSE, &scales);
   for (PetscInt f = 0; f < s->nfields; f++)
     if (!scales.given[f]) all = PETSC_FALSE;
   if (!all) {
-    if (rank == 0) PetscCall(Search(p, &scales));
+    if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(Search(p, &scales));
     PetscCallMPI(MPI_Bcast(scales.scale, MPMSTAB_SCALES_MOST, MPIU_REAL, 0, PETSC_COMM_WORLD));
     PetscCallMPI(MPI_Bcast(&scales.unsettled, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
     s->searched  = PETSC_TRUE;

@@ -21,27 +21,24 @@
 
 #define WROTE 900 /* bytes of standard error in a message */
 
-PetscErrorCode MpmStepperFail(MpmStepper *s, const char format[], ...)
+void MpmStepperFail(MpmStepper *s, const char format[], ...)
 {
   va_list arguments;
 
-  PetscFunctionBegin;
-  if (s->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->failure[0]) return;
   va_start(arguments, format);
   (void)vsnprintf(s->failure, sizeof s->failure, format, arguments);
   va_end(arguments);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The message is that of the first rank which has failed, so that it is said once. */
 PetscErrorCode MpmStepperAgree(MpmStepper *s)
 {
-  PetscMPIInt rank, size, first;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
+  PetscMPIInt       first;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
-  first = s->failure[0] ? rank : size;
+  first = s->failure[0] ? MpmRankOf(PETSC_COMM_WORLD) : size;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD));
   if (first == size) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCallMPI(MPI_Bcast(s->failure, sizeof s->failure, MPI_CHAR, first, PETSC_COMM_WORLD));
@@ -51,22 +48,20 @@ PetscErrorCode MpmStepperAgree(MpmStepper *s)
 /* ---- the talk ---- */
 
 /* Takes over the child's failure, with what it has last written to standard error. */
-static PetscErrorCode TakeFailure(MpmStepper *s)
+static void TakeFailure(MpmStepper *s)
 {
   const MpmChild *child   = s->child;
   const char     *failure = MpmChildFailure(child), *errors = MpmChildErrors(child);
   char            wrote[WROTE];
   size_t          length = strlen(errors);
 
-  PetscFunctionBegin;
-  if (!failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!failure[0]) return;
   while (length > 0 && errors[length - 1] == '\n') length--; /* a message is one line */
   if (length >= sizeof wrote) errors += length - sizeof wrote + 1;
   (void)snprintf(wrote, sizeof wrote, "%.*s", (int)PetscMin(length, sizeof wrote - 1), errors);
   for (char *c = wrote; *c; c++)
     if (*c == '\n') *c = '|';
-  PetscCall(MpmStepperFail(s, "%s %s%s%s", s->whose, failure, wrote[0] ? "; it wrote: " : "", wrote));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmStepperFail(s, "%s %s%s%s", s->whose, failure, wrote[0] ? "; it wrote: " : "", wrote);
 }
 
 /*
@@ -85,20 +80,20 @@ static PetscErrorCode Ask(MpmStepper *s, const char what[], json_t *command, con
   json_decref(command);
   PetscCall(MpmChildTalk(s->child, line, state, n * sizeof *state, &said));
   free(line);
-  PetscCall(TakeFailure(s));
+  TakeFailure(s);
   if (!said) PetscFunctionReturn(PETSC_SUCCESS);
   *answer = json_loads(said, 0, NULL);
   failure = json_string_value(json_object_get(*answer, "failure"));
   error   = json_string_value(json_object_get(*answer, "error"));
   if (!json_is_object(*answer))
-    PetscCall(MpmStepperFail(s,
-                             what ? "%s: its answer is not a line of JSON: %.80s"
-                                  : "%sdoes not describe itself with an object of JSON: %.80s",
-                             what ? what : "", said));
+    MpmStepperFail(s,
+                   what ? "%s: its answer is not a line of JSON: %.80s"
+                        : "%sdoes not describe itself with an object of JSON: %.80s",
+                   what ? what : "", said);
   else if (failure)
-    PetscCall(MpmStepperFail(s, "%s", failure));
+    MpmStepperFail(s, "%s", failure);
   else if (error)
-    PetscCall(MpmStepperFail(s, "%s%s%.400s", what ? what : "", what ? ": the program says: " : "says: ", error));
+    MpmStepperFail(s, "%s%s%.400s", what ? what : "", what ? ": the program says: " : "says: ", error);
   if (!s->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
   json_decref(*answer);
   *answer = NULL;
@@ -110,27 +105,25 @@ static PetscErrorCode TakeState(MpmStepper *s, PetscInt64 n, PetscReal state[])
 {
   PetscFunctionBegin;
   PetscCall(MpmChildTake(s->child, (size_t)n * sizeof *state, state));
-  PetscCall(TakeFailure(s));
+  TakeFailure(s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- steps ---- */
 
 /* Says which number of a state is not finite. */
-static PetscErrorCode CheckFinite(MpmStepper *s, const char what[], PetscInt64 particles, const PetscReal state[])
+static void CheckFinite(MpmStepper *s, const char what[], PetscInt64 particles, const PetscReal state[])
 {
-  PetscFunctionBegin;
   for (PetscInt64 i = 0; i < particles * s->width; i++) {
     const PetscInt number = (PetscInt)(i % s->width);
     PetscInt       f      = 0;
 
     if (isfinite(state[i])) continue;
     while (f + 1 < s->nfields && s->fields[f + 1].first <= number) f++;
-    PetscCall(MpmStepperFail(s, "%s has a number that is not finite: %s of particle %" PetscInt64_FMT, what,
-                             s->fields[f].name, i / s->width));
+    MpmStepperFail(s, "%s has a number that is not finite: %s of particle %" PetscInt64_FMT, what, s->fields[f].name,
+                   i / s->width);
     break;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmStepperBegin(MpmStepper *s)
@@ -139,12 +132,12 @@ PetscErrorCode MpmStepperBegin(MpmStepper *s)
   PetscInt64       most;
 
   PetscFunctionBegin;
-  if (!s->failure[0]) PetscCall(CheckFinite(s, "the base state", s->particles, s->base));
+  if (!s->failure[0]) CheckFinite(s, "the base state", s->particles, s->base);
   PetscCall(MpmStepperAgree(s));
   PetscCallMPI(MPI_Allreduce(&n, &most, 1, MPIU_INT64, MPI_MAX, PETSC_COMM_WORLD));
-  if (n != most) PetscCall(MpmStepperFail(s, "it describes itself in another way on each rank"));
+  if (n != most) MpmStepperFail(s, "it describes itself in another way on each rank");
   PetscCall(MpmStepperAgree(s));
-  if (most > PETSC_MPI_INT_MAX) PetscCall(MpmStepperFail(s, "its state has more than %d numbers", PETSC_MPI_INT_MAX));
+  if (most > PETSC_MPI_INT_MAX) MpmStepperFail(s, "its state has more than %d numbers", PETSC_MPI_INT_MAX);
   PetscCall(MpmStepperAgree(s));
   PetscCallMPI(MPI_Bcast(s->base, (PetscMPIInt)most, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -162,8 +155,8 @@ static PetscErrorCode Begin(const char option[], const char value[], const char 
   s        = *stepper;
   s->child = child;
   s->whose = whose;
-  PetscCall(PetscSNPrintf(s->where, sizeof s->where, "%s %s", option, value));
-  PetscCall(TakeFailure(s));
+  (void)snprintf(s->where, sizeof s->where, "%s %s", option, value);
+  TakeFailure(s);
   if (!s->failure[0]) PetscCall(Ask(s, NULL, json_pack("{s:s}", "do", "describe"), NULL, 0, &answer));
   if (answer) PetscCall(MpmStepperDescribe(s, answer));
   json_decref(answer);
@@ -220,7 +213,7 @@ PetscErrorCode MpmStepperStep(MpmStepper *s, PetscInt steps, PetscInt64 particle
   if (answer) PetscCall(TakeState(s, n, after));
   json_decref(answer);
   s->calls++;
-  if (!s->failure[0]) PetscCall(CheckFinite(s, "the state after a step", particles, after));
+  if (!s->failure[0]) CheckFinite(s, "the state after a step", particles, after);
   if (!s->failure[0]) PetscCall(PetscArraycpy(state, after, n));
   PetscCall(PetscFree(after));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -231,16 +224,14 @@ const PetscReal *MpmStepperPlace(const MpmStepper *s, PetscInt64 particle)
   return s->place == MPM_NONE ? NULL : s->base + particle * s->width + s->fields[s->place].first;
 }
 
-PetscErrorCode MpmStepperParameterOf(const MpmStepper *s, const char name[], PetscReal *value, PetscBool *found)
+void MpmStepperParameterOf(const MpmStepper *s, const char name[], PetscReal *value, PetscBool *found)
 {
-  PetscFunctionBegin;
   *found = PETSC_FALSE;
   for (PetscInt i = 0; i < s->nparameters; i++) {
     if (strcmp(s->parameters[i].name, name)) continue;
     *found = PETSC_TRUE;
     *value = s->parameters[i].value;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmStepperParameterNames(const MpmStepper *s, MpmText *names)
@@ -261,11 +252,11 @@ PetscErrorCode MpmStepperSet(MpmStepper *s, const char name[], PetscReal value)
   MpmText   names = {NULL, 0};
 
   PetscFunctionBegin;
-  PetscCall(MpmStepperParameterOf(s, name, &start, &found));
+  MpmStepperParameterOf(s, name, &start, &found);
   if (!found) {
     PetscCall(MpmStepperParameterNames(s, &names));
-    PetscCall(MpmStepperFail(s, "it has no parameter %.200s; allowed: %s", name, names.text));
-    PetscCall(MpmTextFree(&names));
+    MpmStepperFail(s, "it has no parameter %.200s; allowed: %s", name, names.text);
+    MpmTextFree(&names);
   }
   (void)snprintf(what, sizeof what, "set %s to %.17g", name, (double)value);
   if (!s->failure[0]) PetscCall(Ask(s, what, json_pack("{s:s, s:f}", "do", "set", name, value), NULL, 0, &answer));

@@ -94,7 +94,7 @@ PetscErrorCode MpmStepperDestroy(MpmStepper **stepper);
 PetscErrorCode MpmStepperSet(MpmStepper *stepper, const char name[], PetscReal value);
 
 /* Not collective. The value that a parameter had at the start; *found says whether there is one. */
-PetscErrorCode MpmStepperParameterOf(const MpmStepper *stepper, const char name[], PetscReal *value, PetscBool *found);
+void MpmStepperParameterOf(const MpmStepper *stepper, const char name[], PetscReal *value, PetscBool *found);
 
 /* Not collective. Adds what messages say of the parameters that a code names: their names, or that there are none. */
 PetscErrorCode MpmStepperParameterNames(const MpmStepper *stepper, MpmText *names);
@@ -126,4 +126,4 @@ PetscErrorCode MpmStepperDescribe(MpmStepper *stepper, const json_t *description
 PetscErrorCode MpmStepperBegin(MpmStepper *stepper);
 
 /* Not collective. Notes a failure, unless there is one already. */
-PetscErrorCode MpmStepperFail(MpmStepper *stepper, const char format[], ...) __attribute__((format(printf, 2, 3)));
+void MpmStepperFail(MpmStepper *stepper, const char format[], ...) __attribute__((format(printf, 2, 3)));

@@ -6,23 +6,20 @@
 #include <math.h>
 
 /* Prints a number. One that is out of range is described as such, not printed as inf. */
-static PetscErrorCode PrintNumber(PetscReal value)
+static void PrintNumber(PetscReal value)
 {
-  PetscFunctionBegin;
   if (isfinite(value))
     MpmPrint("  %11.4e", value);
   else
     MpmPrint("  %11s", "off range");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* How the steps of a run were chosen. */
-static PetscErrorCode PrintPace(const MpmRun *run)
+static void PrintPace(const MpmRun *run)
 {
   const MpmScene *s    = run->scene;
   const MpmPace  *pace = run->pace;
 
-  PetscFunctionBegin;
   if (MpmPaceHasChosen(pace))
     MpmPrint("dt from %.6g to %.6g, changed %" PetscInt64_FMT " times\n", MpmSceneTimeStep(s, pace->least),
              MpmSceneTimeStep(s, pace->largest), pace->changes);
@@ -36,7 +33,6 @@ static PetscErrorCode PrintPace(const MpmRun *run)
     MpmPrint("  %-10s %-9" PetscInt64_FMT " steps: the fastest particle may not go a cell in a step\n", "by motion",
              pace->taken[MPM_PACE_MOTION]);
   MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode PrintScene(const MpmRun *run)
@@ -44,7 +40,7 @@ static PetscErrorCode PrintScene(const MpmRun *run)
   const MpmScene *s = run->scene;
 
   PetscFunctionBegin;
-  PetscCall(MpmReportScene(s, run->request, run->ranks));
+  PetscCall(MpmReportScene(s, run->request));
   MpmPrint("initial data: %s", MpmInitialNames[s->initial]);
   for (PetscInt a = 0; a < s->layout.dim && s->initial == MPM_INITIAL_MODE; a++)
     MpmPrint("%s%" PetscInt_FMT, a ? "," : " ", s->mode[a]);
@@ -54,15 +50,13 @@ static PetscErrorCode PrintScene(const MpmRun *run)
   MpmPrint(", amplitude %.6g%s; %" PetscInt64_FMT " steps", s->amplitude, s->stagger ? ", staggered" : "", run->steps);
   if (!run->pace) MpmPrint(" of dt = %.6g", s->dt);
   MpmPrint(" to time %.6g\n\n", run->time);
-  if (run->pace) PetscCall(PrintPace(run));
+  if (run->pace) PrintPace(run);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Prediction(const char name[], PetscReal growth, const char formula[])
+static void Prediction(const char name[], PetscReal growth, const char formula[])
 {
-  PetscFunctionBegin;
-  PetscCall(MpmReportGrowth(name, growth, isnan(growth) ? "the formula does not cover this scene" : formula));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmReportGrowth(name, growth, isnan(growth) ? "the formula does not cover this scene" : formula);
 }
 
 /* A motion that is not about a uniform state has no rate, however many steps it takes. */
@@ -71,18 +65,16 @@ static PetscBool HasGrowth(const MpmRun *run)
   return !run->scene->scheme.space.finite || run->scene->initial == MPM_INITIAL_RANDOM ? PETSC_TRUE : PETSC_FALSE;
 }
 
-static PetscErrorCode PrintGrowth(const MpmRun *run)
+static void PrintGrowth(const MpmRun *run)
 {
   const MpmScene *s = run->scene;
 
-  PetscFunctionBegin;
   MpmPrint("growth per step\n");
-  PetscCall(Prediction("published", run->predictions.published, s->scheme.formulation->published_text));
-  PetscCall(Prediction("corrected", run->predictions.corrected, MpmPredictionText(&s->scheme)));
+  Prediction("published", run->predictions.published, s->scheme.formulation->published_text);
+  Prediction("corrected", run->predictions.corrected, MpmPredictionText(&s->scheme));
   if (s->initial == MPM_INITIAL_MODE)
-    PetscCall(Prediction("  this mode", run->predictions.corrected_mode, "corrected, at beta = 2 pi mode / cells"));
-  if (s->initial == MPM_INITIAL_EIGENMODE)
-    PetscCall(MpmReportGrowth("  this mode", run->eigenmode, "abs of its eigenvalue"));
+    Prediction("  this mode", run->predictions.corrected_mode, "corrected, at beta = 2 pi mode / cells");
+  if (s->initial == MPM_INITIAL_EIGENMODE) MpmReportGrowth("  this mode", run->eigenmode, "abs of its eigenvalue");
   if (run->growth.measured) {
     MpmPrint("  %-11s %-13.9g %s, steps %" PetscInt64_FMT " to %" PetscInt64_FMT, "measured", run->growth.per_step,
              MpmGrowthKindNames[run->growth.kind], run->growth.from, run->growth.to);
@@ -93,32 +85,30 @@ static PetscErrorCode PrintGrowth(const MpmRun *run)
     MpmPrint("  %-11s %-13s %s\n\n", "measured", "-",
              HasGrowth(run) ? "too few steps, or nothing left to measure"
                             : "a motion at finite deformation has no growth");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintErrors(const MpmRun *run)
+static void PrintErrors(const MpmRun *run)
 {
   const char    *name[MPM_MOST_ERRORS];
   const PetscInt n = run->has_errors ? MpmSceneErrorFields(run->scene, name) : 0;
 
-  PetscFunctionBegin;
   if (run->has_errors) {
     MpmPrint("error against the exact solution of %s\n  %-5s  %11s  %11s  %11s   relative to its amplitude\n",
              MpmSceneEquations(run->scene), "field", "l1", "l2", "linf");
     for (PetscInt f = 0; f < n; f++) {
       MpmPrint("  %-5s", name[f]);
-      PetscCall(PrintNumber(run->error[f].l1));
-      PetscCall(PrintNumber(run->error[f].l2));
-      PetscCall(PrintNumber(run->error[f].linf));
+      PrintNumber(run->error[f].l1);
+      PrintNumber(run->error[f].l2);
+      PrintNumber(run->error[f].linf);
       MpmPrint("\n");
     }
   } else
     MpmPrint("error: none, these data have no exact solution\n");
   if (MpmSchemeEnergyTerms(&run->scene->scheme)) {
     MpmPrint("energy");
-    PetscCall(PrintNumber(run->energy_initial));
+    PrintNumber(run->energy_initial);
     MpmPrint(" first");
-    PetscCall(PrintNumber(run->energy_final));
+    PrintNumber(run->energy_final);
     MpmPrint(" last\n");
   } else
     MpmPrint("energy: none, %s; growth is that of the norm of its fields\n",
@@ -127,68 +117,58 @@ static PetscErrorCode PrintErrors(const MpmRun *run)
   if (run->blew_up_at_step != MPM_NEVER)
     MpmPrint("the state left the range of double precision by step %" PetscInt64_FMT "%s\n", run->blew_up_at_step,
              run->lost ? "; the run stopped there" : "; it was followed by rescaling");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintConserved(const MpmRun *run)
+static void PrintConserved(const MpmRun *run)
 {
-  PetscFunctionBegin;
   MpmPrint("conserved: %" PetscInt64_FMT " particles", run->scene->layout.particles);
   if (!isnan(run->mass_change)) MpmPrint(", mass to %.1e", run->mass_change);
   if (!isnan(run->momentum_change)) MpmPrint(", momentum to %.1e of its size", run->momentum_change);
   MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintLoad(const MpmRun *run)
+static void PrintLoad(const MpmRun *run)
 {
-  PetscFunctionBegin;
-  if (run->load <= MPM_BALANCE_BOUND) PetscFunctionReturn(PETSC_SUCCESS);
+  if (run->load <= MPM_BALANCE_BOUND) return;
   MpmPrint("load: the fullest rank had %.2f times the mean number of particles%s\n", run->load,
            run->scene->layout.balance == MPM_BALANCE_PARTICLES ? "" : "; see -balance");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Prints a diagnostic of one field; '-' stands where there was nothing to divide by. */
-static PetscErrorCode PrintField(const char name[], const char when[], PetscReal value)
+static void PrintField(const char name[], const char when[], PetscReal value)
 {
-  PetscFunctionBegin;
   if (isnan(value))
     MpmPrint("  %s %s -", name, when);
   else
     MpmPrint("  %s %s %.4e", name, when, value);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintTransfer(const MpmRun *run)
+static void PrintTransfer(const MpmRun *run)
 {
   const MpmTransferDiagnosticsSample *first = &run->transfer_first, *last = &run->transfer_last,
                                      *most = &run->transfer_most;
   const MpmTable *table                    = run->scene->scheme.table;
 
-  PetscFunctionBegin;
   if (run->request->weights) MpmPrint("weights: C1 from %.6g to %.6g, C2 = 1 - C1\n", most->c1_min, most->c1_max);
   if (run->request->source_term) {
     MpmPrint("source term, relative to the nodes' field:");
-    for (PetscInt f = 0; table->fields[f]; f++) PetscCall(PrintField(table->fields[f], "up to", most->source[f]));
+    for (PetscInt f = 0; table->fields[f]; f++) PrintField(table->fields[f], "up to", most->source[f]);
     MpmPrint("\n");
   }
   if (run->request->ringing) {
     MpmPrint("ringing content, share of particle data that P2G does not see:");
     for (PetscInt f = 0; table->fields[f]; f++) {
-      PetscCall(PrintField(table->fields[f], "first", first->ringing[f]));
-      PetscCall(PrintField("", "last", last->ringing[f]));
+      PrintField(table->fields[f], "first", first->ringing[f]);
+      PrintField("", "last", last->ringing[f]);
     }
     MpmPrint("\n");
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintVerdict(const MpmRun *run)
+static void PrintVerdict(const MpmRun *run)
 {
   const MpmGrowth *growth = &run->growth;
 
-  PetscFunctionBegin;
   MpmPrint("\nverdict: %s", MpmVerdictNames[run->verdict]);
   if (run->lost)
     MpmPrint(
@@ -213,19 +193,18 @@ static PetscErrorCode PrintVerdict(const MpmRun *run)
              run->wall_s);
   else
     MpmPrint("time: %.3g s in all\n", run->wall_s);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmRunPrint(const MpmRun *run)
 {
   PetscFunctionBegin;
   PetscCall(PrintScene(run));
-  PetscCall(PrintGrowth(run));
-  PetscCall(PrintErrors(run));
-  PetscCall(PrintConserved(run));
-  PetscCall(PrintLoad(run));
-  PetscCall(PrintTransfer(run));
-  PetscCall(MpmTangentsPrint(run->tangents));
-  PetscCall(PrintVerdict(run));
+  PrintGrowth(run);
+  PrintErrors(run);
+  PrintConserved(run);
+  PrintLoad(run);
+  PrintTransfer(run);
+  MpmTangentsPrint(run->tangents);
+  PrintVerdict(run);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

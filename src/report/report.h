@@ -7,10 +7,10 @@
 #include <jansson.h>
 
 /* Collective. Prints the task and the file or code that takes the place of a scene. what: a matrix, or blocks of a lattice. */
-PetscErrorCode MpmReportFile(const MpmRequest *request, const char what[], PetscMPIInt ranks);
+void MpmReportFile(const MpmRequest *request, const char what[]);
 
 /* Collective. Prints the task and its scene in two lines: scheme, grid and particles. */
-PetscErrorCode MpmReportScene(const MpmScene *scene, const MpmRequest *request, PetscMPIInt ranks);
+PetscErrorCode MpmReportScene(const MpmScene *scene, const MpmRequest *request);
 
 /*
    MpmReportNodal - prints, after the text before, the order of the matrix that takes the nodes of particles at rest
@@ -36,8 +36,7 @@ PetscErrorCode MpmReportUnits(const MpmScene *scene, const MpmRequest *request);
    Collective. Prints nothing of scenes that are not in physical units, nor of a limit that is undecided (NaN). courant
    may be 0 or infinite, as in MpmCritical. windows: there are windows of growth below the limit.
 */
-PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth,
-                              PetscBool windows);
+void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth, PetscBool windows);
 
 /*
    Prints windows of growth below a limit, each in a line that begins with so many blanks, and how many Courant numbers were
@@ -49,41 +48,52 @@ void MpmReportWindows(PetscInt blanks, PetscReal courant, const MpmCriticalWindo
    Collective. Prints a row of the growth table. text: the formula, or what the number rests on; where growth is NaN,
    the reason.
 */
-PetscErrorCode MpmReportGrowth(const char name[], PetscReal growth, const char text[]);
+void MpmReportGrowth(const char name[], PetscReal growth, const char text[]);
 
 /* Collective. Prints the rows of the closed forms, or the reason why they do not cover the scene. */
-PetscErrorCode MpmReportPredictions(const MpmPredictor *predictor, const MpmPredictions *predictions);
+void MpmReportPredictions(const MpmPredictor *predictor, const MpmPredictions *predictions);
 
 /*
-   MpmReportVector - numbers of the directions as text, with so many digits: the number itself in one dimension, else
-   (x, y). MpmReportCounts - whole numbers as text: 8, else 8 x 16.
+   MpmVectorText - numbers of the directions as text, with so many digits: the number itself in one dimension, else (x, y).
+   MpmCountsText - whole numbers as text: 8, else 8 x 16.
 
-   Not collective.
+   Not collective. They return text, which may be MPM_VECTOR_ROOM: room that lasts as long as the block around the call.
 */
-PetscErrorCode MpmReportVector(PetscInt n, const PetscReal values[], int digits, size_t room, char text[]);
-PetscErrorCode MpmReportCounts(PetscInt n, const PetscInt counts[], size_t room, char text[]);
+#define MPM_VECTOR_TEXT 96
+#define MPM_VECTOR_ROOM                                                                                                \
+  (char[MPM_VECTOR_TEXT])                                                                                              \
+  {                                                                                                                    \
+    ""                                                                                                                 \
+  }
+const char *MpmVectorText(PetscInt n, const PetscReal values[], int digits, char text[MPM_VECTOR_TEXT]);
+const char *MpmCountsText(PetscInt n, const PetscInt counts[], char text[MPM_VECTOR_TEXT]);
 
 /* Collective. Prints in a sentence where the published formula fails and whether the corrected one holds. */
-PetscErrorCode MpmReportComparison(const MpmPredictor *predictor, const MpmComparison *comparison);
+void MpmReportComparison(const MpmPredictor *predictor, const MpmComparison *comparison);
 
 /*
    Collective. Prints verdict, margin and evidence. condition: that of the eigenvalue on which the verdict rests; NaN
    for none.
 */
-PetscErrorCode MpmReportFinding(const MpmFinding *finding, PetscReal condition);
+void MpmReportFinding(const MpmFinding *finding, PetscReal condition);
 
 /*
    Not collective. MpmJsonScene makes a new object with version, task, scheme and grid, and MpmJsonFile one with version,
    task and the file that takes the place of a scene. MpmJsonSet adds a number, unless
-   it is not finite, which JSON cannot express. MpmJsonSetPrediction adds a growth, or null when the formula does not
+   it is not finite, which JSON cannot express; a key 'object.key' is inside an object, which the first of its keys creates.
+   MpmJsonSetCount and MpmJsonSetText do so with a whole number and a text. MpmJsonNumbers makes a list, with null in the
+   place of a number that is not finite; MpmJsonSetVector adds one without it, or the number itself where there is one. MpmJsonSetPrediction adds a growth, or null when the formula does not
    cover the scene. MpmJsonSetFinding adds verdict, growth and what they rest on. MpmJsonSetWindows adds windows of growth and
    at how many Courant numbers growth was looked at. MpmJsonPredicted makes the value of
    the key 'predicted' (symbol: NaN for none), MpmJsonSymbol that of the key 'symbol'.
 */
-PetscErrorCode MpmJsonScene(const MpmScene *scene, const char task[], PetscMPIInt ranks, PetscReal wall_s,
-                            json_t **object);
-PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscMPIInt ranks, PetscReal wall_s, json_t **object);
+PetscErrorCode MpmJsonScene(const MpmScene *scene, const char task[], PetscReal wall_s, json_t **object);
+PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscReal wall_s, json_t **object);
 void           MpmJsonSet(json_t *object, const char key[], PetscReal value);
+void           MpmJsonSetCount(json_t *object, const char key[], PetscInt64 value);
+void           MpmJsonSetText(json_t *object, const char key[], const char text[]);
+void           MpmJsonSetVector(json_t *object, const char key[], PetscInt n, const PetscReal values[]);
+json_t        *MpmJsonNumbers(PetscInt n, const PetscReal values[]);
 void           MpmJsonSetPrediction(json_t *object, const char key[], PetscReal growth);
 void           MpmJsonSetFinding(json_t *object, const MpmFinding *finding);
 void           MpmJsonSetWindows(json_t *object, const MpmCriticalWindows *windows);

@@ -3,9 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-PetscErrorCode MpmReportCertificates(const MpmCertificates *of)
+void MpmReportCertificates(const MpmCertificates *of)
 {
-  PetscFunctionBegin;
   MpmPrint("\ncertificates\n");
   for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
     if (isnan(of->value[c])) continue;
@@ -18,7 +17,6 @@ PetscErrorCode MpmReportCertificates(const MpmCertificates *of)
     MpmPrint("%s %s %.6g (%s)", f ? "," : "", of->field[f].name, (double)of->field[f].scale,
              strcmp(of->field[f].from, "cell_width") ? of->field[f].from : "the width of a cell");
   if (of->nfields) MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 json_t *MpmJsonScales(const MpmCertificates *of)

@@ -4,7 +4,7 @@
 #include "report/report.h"
 
 /* Collective. Prints the certificates that were taken, what fails where one does not hold, and the scales of fields. */
-PetscErrorCode MpmReportCertificates(const MpmCertificates *certificates);
+void MpmReportCertificates(const MpmCertificates *certificates);
 
 /* Not collective. A new object with each certificate that was taken: value, bound, and whether it holds. */
 json_t *MpmJsonCertificates(const MpmCertificates *certificates);

@@ -14,48 +14,42 @@ static const MpmMatchField *Partner(const MpmCompareProgram *c, PetscInt f)
   return g;
 }
 
-static PetscErrorCode PrintFields(const MpmCompareProgram *c)
+static void PrintFields(const MpmCompareProgram *c)
 {
-  PetscFunctionBegin;
   MpmPrint("fields:");
   for (PetscInt f = 0; f < c->own.nfields; f++)
     MpmPrint("%s yours %s = %.6g x ours %s", f ? ";" : "", Partner(c, f)->name,
              (double)c->match->factor[c->own.fields[f].first], c->own.fields[f].name);
   MpmPrint(" (yours in units of their scales; only ratios of these factors mean something)\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintDifferences(const MpmCompareProgram *c)
+static void PrintDifferences(const MpmCompareProgram *c)
 {
   const MpmMatch *m = c->match;
-  char            d[96];
 
-  PetscFunctionBegin;
-  if (!m->n) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!m->n) return;
   MpmPrint("  %-10s %-22s %-13s %-13s %s\n", "cell", "gives", "ours", "yours", "difference");
   for (PetscInt i = 0; i < PetscMin(m->n, ROWS); i++) {
     const MpmDifference *e               = &m->differences[i];
     PetscReal            at[MPM_MAX_DIM] = {-e->d[0], -e->d[1], -e->d[2]};
     char                 gives[160];
 
-    PetscCall(MpmReportVector(c->blocks.dim, at, 3, sizeof d, d));
-    PetscCall(PetscSNPrintf(gives, sizeof gives, "%s to %s", c->own.fields[e->from].name, c->own.fields[e->to].name));
-    MpmPrint("  %-10s %-22s %-13.6g %-13.6g %.2g\n", d, gives, (double)e->one, (double)e->other, (double)e->differ);
+    (void)snprintf(gives, sizeof gives, "%s to %s", c->own.fields[e->from].name, c->own.fields[e->to].name);
+    MpmPrint("  %-10s %-22s %-13.6g %-13.6g %.2g\n", MpmVectorText(c->blocks.dim, at, 3, MPM_VECTOR_ROOM), gives,
+             (double)e->one, (double)e->other, (double)e->differ);
   }
   if (m->n > ROWS) MpmPrint("  and %" PetscInt_FMT " more\n", m->n - ROWS);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The pairs of fields that differ, each once, the most first. */
-static PetscErrorCode PrintVerdict(const MpmCompareProgram *c)
+static void PrintVerdict(const MpmCompareProgram *c)
 {
   const MpmMatch *m       = c->match;
   const char     *between = "";
 
-  PetscFunctionBegin;
   if (c->same && m->fits) {
     MpmPrint("compare: the same to %.1e\n", (double)m->differ);
-    PetscFunctionReturn(PETSC_SUCCESS);
+    return;
   }
   if (!m->fits) {
     MpmPrint("the numbers of a particle do not go with one another: %s\n", m->why_not);
@@ -63,7 +57,7 @@ static PetscErrorCode PrintVerdict(const MpmCompareProgram *c)
       MpmPrint("compare: amplification factors are the same to %.1e\n", (double)m->factors);
     else
       MpmPrint("compare: differs in amplification factors, by up to %.2g\n", (double)m->factors);
-    PetscFunctionReturn(PETSC_SUCCESS);
+    return;
   }
   MpmPrint("compare: differs in ");
   for (PetscInt i = 0; i < m->n; i++) {
@@ -81,31 +75,27 @@ static PetscErrorCode PrintVerdict(const MpmCompareProgram *c)
   if (m->factors <= c->bound)
     MpmPrint(
         "its amplification factors are the same, though: it may be that step with its numbers kept in another form\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportCompare(const MpmProgram *p, const MpmCompareProgram *c)
+void MpmReportCompare(const MpmProgram *p, const MpmCompareProgram *c)
 {
   const MpmScene *s = c->scene;
-  char            ppc[64];
 
-  PetscFunctionBegin;
-  PetscCall(MpmReportCounts(s->layout.dim, s->layout.ppc, sizeof ppc, ppc));
   MpmPrint("\ncompared with ours: %s\n", p->request->compare);
   MpmPrint("%s, %s basis, %s transfer, %s particles in a cell, Courant number %.6g\n", s->scheme.formulation->name,
-           s->scheme.basis->name, s->scheme.transfer->name, ppc, (double)s->step.courant);
-  if (c->match->fits) PetscCall(PrintFields(c));
-  PetscCall(PrintDifferences(c));
+           s->scheme.basis->name, s->scheme.transfer->name,
+           MpmCountsText(s->layout.dim, s->layout.ppc, MPM_VECTOR_ROOM), (double)s->step.courant);
+  if (c->match->fits) PrintFields(c);
+  PrintDifferences(c);
   MpmPrint("amplification factors of 8 waves: apart by at most %.1e", (double)c->match->factors);
   for (int side = 0; side < 2; side++)
     if (c->match->more[side])
       MpmPrint("; %s has %" PetscInt_FMT " more a cell, of abs up to %.6g", side ? "yours" : "ours",
                c->match->more[side], (double)c->match->most);
   MpmPrint("\ngrowth over all waves: yours %.9g, ours %.9g\n", (double)c->code, (double)c->growth);
-  PetscCall(PrintVerdict(c));
+  PrintVerdict(c);
   for (PetscInt i = 0; i < c->nsame; i++) MpmPrint("%s %s\n", i ? "  and of" : "it is the step of", c->same_as[i]);
   if (!c->same && !c->nsame) MpmPrint("it is the step of no scheme of ours with these cells and this Courant number\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static json_t *JsonDifferences(const MpmCompareProgram *c)
@@ -132,9 +122,9 @@ json_t *MpmJsonCompare(const MpmCompareProgram *c)
   json_object_set_new(object, "same_as", same);
 
   json_object_set_new(object, "same", json_boolean(c->same));
-  json_object_set_new(object, "formulation", json_string(c->scene->scheme.formulation->name));
-  json_object_set_new(object, "transfer", json_string(c->scene->scheme.transfer->name));
-  json_object_set_new(object, "basis", json_string(c->scene->scheme.basis->name));
+  MpmJsonSetText(object, "formulation", c->scene->scheme.formulation->name);
+  MpmJsonSetText(object, "transfer", c->scene->scheme.transfer->name);
+  MpmJsonSetText(object, "basis", c->scene->scheme.basis->name);
   MpmJsonSet(object, "courant", c->scene->step.courant);
   MpmJsonSet(object, "bound", c->bound);
   MpmJsonSet(object, "growth", c->growth);
@@ -148,7 +138,7 @@ json_t *MpmJsonCompare(const MpmCompareProgram *c)
     json_object_set(object, "fields", fields);
     json_object_set_new(object, "differences", JsonDifferences(c));
   } else
-    json_object_set_new(object, "why_not", json_string(c->match->why_not));
+    MpmJsonSetText(object, "why_not", c->match->why_not);
   json_decref(fields);
   return object;
 }

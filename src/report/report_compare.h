@@ -4,7 +4,7 @@
 #include "report/report.h"
 
 /* Collective. Prints what goes with what, where the two differ, and a sentence that says whether they are the same. */
-PetscErrorCode MpmReportCompare(const MpmProgram *program, const MpmCompareProgram *compare);
+void MpmReportCompare(const MpmProgram *program, const MpmCompareProgram *compare);
 
 /* Not collective. A new object with the same. */
 json_t *MpmJsonCompare(const MpmCompareProgram *compare);

@@ -99,49 +99,44 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
 }
 
 /* The direction of a wave of several phases. */
-static PetscErrorCode DirectionText(PetscInt dim, const PetscReal beta[], PetscReal length, size_t room, char text[])
+static void DirectionText(PetscInt dim, const PetscReal beta[], PetscReal length, size_t room, char text[])
 {
   char part[32];
 
   PetscInt along = 0, alike = 0;
 
-  PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) {
     if (PetscAbsReal(beta[a]) > (1 - ALONG) * length) along = a + 1;
     if (PetscAbsReal(PetscAbsReal(beta[a]) * PetscSqrtReal((PetscReal)dim) - length) <= ALONG * length) alike++;
   }
   if (along) {
-    PetscCall(PetscSNPrintf(text, room, "along %c", "xyz"[along - 1]));
-    PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(text, room, "along %c", "xyz"[along - 1]);
+    return;
   }
-  PetscCall(PetscStrncpy(text, alike == dim ? "along a diagonal " : "along ", room));
+  (void)snprintf(text, room, "%s", alike == dim ? "along a diagonal " : "along ");
   for (PetscInt a = 0; a < dim; a++) {
-    PetscCall(PetscSNPrintf(part, sizeof part, "%s%.4g", a ? ", " : "(", beta[a] / length));
-    PetscCall(MpmTextJoin(text, part, room));
+    (void)snprintf(part, sizeof part, "%s%.4g", a ? ", " : "(", beta[a] / length);
+    MpmTextJoin(text, part, room);
   }
-  PetscCall(MpmTextJoin(text, ")", room));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmTextJoin(text, ")", room);
 }
 
 /* Type, length, direction and phases of a wave of two or three dimensions. */
-static PetscErrorCode WaveText(PetscInt dim, PetscBool assembled, MpmWaveType wave, const PetscReal phase[],
-                               size_t room, char text[])
+static void WaveText(PetscInt dim, PetscBool assembled, MpmWaveType wave, const PetscReal phase[], size_t room,
+                     char text[])
 {
   const char *const said[] = {[MPM_WAVE_NONE]  = "waves",
                               [MPM_WAVE_P]     = "P waves",
                               [MPM_WAVE_S]     = "S waves",
                               [MPM_WAVE_MIXED] = "mixed P and S waves"};
   PetscReal         length = 0;
-  char              direction[96], beta[96];
+  char              direction[96];
 
-  PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) length += PetscSqr(phase[a]);
   length = PetscSqrtReal(length);
-  PetscCall(DirectionText(dim, phase, length, sizeof direction, direction));
-  PetscCall(MpmReportVector(dim, phase, 6, sizeof beta, beta));
-  PetscCall(PetscSNPrintf(text, room, "%s%s of %.4g cells %s, beta = %s", assembled ? "a mode with " : "", said[wave],
-                          2 * PETSC_PI / length, direction, beta));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  DirectionText(dim, phase, length, sizeof direction, direction);
+  (void)snprintf(text, room, "%s%s of %.4g cells %s, beta = %s", assembled ? "a mode with " : "", said[wave],
+                 2 * PETSC_PI / length, direction, MpmVectorText(dim, phase, 6, MPM_VECTOR_ROOM));
 }
 
 /* Whether all waves of the mode that limits are infinitely long. */
@@ -152,32 +147,29 @@ static PetscBool IsUniform(PetscInt dim, const PetscReal beta[])
   return PETSC_TRUE;
 }
 
-PetscErrorCode MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave, const PetscReal beta[], size_t room,
-                             char text[])
+void MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave, const PetscReal beta[], size_t room,
+                   char text[])
 {
-  PetscFunctionBegin;
   if (isnan(beta[0]))
-    PetscCall(PetscStrncpy(text, "a mode whose trace on the nodes has no phase", room));
+    (void)snprintf(text, room, "%s", "a mode whose trace on the nodes has no phase");
   else if (IsUniform(dim, beta))
-    PetscCall(PetscStrncpy(text, "the mode with beta = 0", room));
+    (void)snprintf(text, room, "%s", "the mode with beta = 0");
   else if (dim > 1)
-    PetscCall(WaveText(dim, assembled, wave, beta, room, text));
+    WaveText(dim, assembled, wave, beta, room, text);
   else
-    PetscCall(PetscSNPrintf(text, room, "%s of %.4g cells, beta = %.6g", assembled ? "a mode with waves" : "waves",
-                            2 * PETSC_PI / beta[0], beta[0]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(text, room, "%s of %.4g cells, beta = %.6g", assembled ? "a mode with waves" : "waves",
+                   2 * PETSC_PI / beta[0], beta[0]);
 }
 
-static PetscErrorCode PrintReason(PetscInt dim, const MpmRequest *request, const MpmCritical *c)
+static void PrintReason(PetscInt dim, const MpmRequest *request, const MpmCritical *c)
 {
   char wave[256];
 
-  PetscFunctionBegin;
-  if (isinf(c->unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (isinf(c->unstable_at)) return;
   if (!isnan(c->fading) && !isnan(c->courant))
     MpmPrint("  no threshold: growth fades like the Courant number to the power %.2g, tolerance %.6g sets the limit\n",
              c->fading, request->tolerance);
-  PetscCall(MpmReportWave(dim, c->assembled, c->wave, c->beta, sizeof wave, wave));
+  MpmReportWave(dim, c->assembled, c->wave, c->beta, sizeof wave, wave);
   MpmPrint("  limited by   %s", wave);
   if (!isnan(c->null_share)) MpmPrint("; share that no node sees %.2g", c->null_share);
   MpmPrint("\n");
@@ -185,7 +177,6 @@ static PetscErrorCode PrintReason(PetscInt dim, const MpmRequest *request, const
     MpmPrint("  there        alpha = %.6g (P2G G2P), kappa = %.6g (DIV GRAD), mu = %.4g%+.4gi (P2G GRAD), f = %.4g "
              "(transfer)\n",
              c->cell.alpha, c->cell.kappa, creal(c->cell.mu), cimag(c->cell.mu), c->cell.filter);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static void PrintMoving(const MpmCritical *c, PetscReal growth, PetscReal tolerance)
@@ -197,9 +188,8 @@ static void PrintMoving(const MpmCritical *c, PetscReal growth, PetscReal tolera
 }
 
 /* Prints growth and verdict at the scene's own Courant number. */
-static PetscErrorCode PrintAsked(const MpmScene *s, PetscReal tolerance, const MpmCritical *c)
+static void PrintAsked(const MpmScene *s, PetscReal tolerance, const MpmCritical *c)
 {
-  PetscFunctionBegin;
   MpmPrint("\nat Courant number %.6g: growth ", s->step.courant);
   if (isinf(c->asked.growth))
     MpmPrint("beyond the range of doubles");
@@ -214,12 +204,10 @@ static PetscErrorCode PrintAsked(const MpmScene *s, PetscReal tolerance, const M
     }
   }
   MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintSearch(const MpmScene *s, const MpmCritical *c)
+static void PrintSearch(const MpmScene *s, const MpmCritical *c)
 {
-  PetscFunctionBegin;
   if (c->assembled)
     MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns%s at %" PetscInt64_FMT " Courant numbers\n",
              c->nodal ? c->nodal : c->order, c->nodal ? ", the nodes' own," : "", c->evaluations);
@@ -232,50 +220,40 @@ static PetscErrorCode PrintSearch(const MpmScene *s, const MpmCritical *c)
   else
     MpmPrint("searched: all phases, %" PetscInt64_FMT " amplification matrices of order %" PetscInt_FMT "\n",
              c->evaluations, c->order);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, const MpmCritical *c,
                                 const MpmNeighbourhoods *all)
 {
-  PetscReal   seconds = c ? c->seconds : 0;
-  PetscMPIInt ranks;
+  PetscReal seconds = c ? c->seconds : 0;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmReportScene(s, request, ranks));
+  PetscCall(MpmReportScene(s, request));
   if (c) {
     MpmPrint("\n");
     PetscCall(PrintLimit(s, request->tolerance, c));
-    PetscCall(PrintReason(s->layout.dim, request, c));
-    if (MpmSceneHasStep(s)) PetscCall(PrintAsked(s, request->tolerance, c));
+    PrintReason(s->layout.dim, request, c);
+    if (MpmSceneHasStep(s)) PrintAsked(s, request->tolerance, c);
   }
   if (all)
-    PetscCall(MpmNeighbourhoodsPrint(s, request, PETSC_TRUE, all));
+    MpmNeighbourhoodsPrint(s, request, PETSC_TRUE, all);
   else if (MpmSceneHasStep(s))
-    PetscCall(MpmReportFinding(&c->asked, NAN));
-  if (c) PetscCall(PrintSearch(s, c));
+    MpmReportFinding(&c->asked, NAN);
+  if (c) PrintSearch(s, c);
   for (PetscInt i = 0; all && i < all->n; i++)
     if (all->of[i].kind != MPM_IN_BULK) seconds += all->of[i].seconds;
   MpmPrint("time: %.3g s\n", seconds);
-  PetscCall(MpmReportLimit(s, request->tolerance, all ? all->courant : c->courant,
-                           all ? all->finding.growth : c->asked.growth,
-                           all ? MpmNeighbourhoodsHaveWindows(all) : (PetscBool)(c->windows.n > 0)));
+  MpmReportLimit(s, request->tolerance, all ? all->courant : c->courant, all ? all->finding.growth : c->asked.growth,
+                 all ? MpmNeighbourhoodsHaveWindows(all) : (PetscBool)(c->windows.n > 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The wave that limits in two or three dimensions, if there is one. */
 static void SetWave(json_t *object, PetscInt dim, const MpmCritical *c)
 {
-  json_t *beta = json_array();
-
-  for (PetscInt a = 0; a < dim; a++) json_array_append_new(beta, json_real(c->beta[a]));
-  if (isfinite(c->beta[0]))
-    json_object_set_new(object, "limited_by_beta", beta);
-  else
-    json_decref(beta);
-  if (c->wave != MPM_WAVE_NONE) json_object_set_new(object, "limited_by_wave", json_string(MpmWaveTypeNames[c->wave]));
-  if (c->phases) json_object_set_new(object, "phases", json_integer(c->phases));
+  if (isfinite(c->beta[0])) MpmJsonSetVector(object, "limited_by_beta", dim, c->beta);
+  if (c->wave != MPM_WAVE_NONE) MpmJsonSetText(object, "limited_by_wave", MpmWaveTypeNames[c->wave]);
+  if (c->phases) MpmJsonSetCount(object, "phases", c->phases);
 }
 
 /* What the search in the bulk found, but for the limit, which may be that of another neighbourhood. */
@@ -293,13 +271,13 @@ static void SetBulk(json_t *critical, PetscInt dim, const MpmCritical *c)
   if (c->bound > 0) MpmJsonSet(critical, "bound", c->bound);
   if (c->quiet > 0) MpmJsonSet(critical, "quiet", c->quiet);
   if (c->cure) {
-    json_object_set_new(critical, "cure", json_string(c->cure->name));
+    MpmJsonSetText(critical, "cure", c->cure->name);
     MpmJsonSet(critical, "cure_quiet", c->cured);
   }
   MpmJsonSet(critical, "growth_when_drifting", c->moving);
   MpmJsonSet(critical, "growth_when_drifting_diagonally", c->moving_diagonal);
   json_object_set_new(critical, "threshold", json_boolean(c->threshold));
-  json_object_set_new(critical, "evaluations", json_integer(c->evaluations));
+  MpmJsonSetCount(critical, "evaluations", c->evaluations);
   MpmJsonSet(critical, "seconds", c->seconds);
 }
 
@@ -307,12 +285,10 @@ PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *s, const 
                                     const MpmNeighbourhoods *all, PetscReal wall_s)
 {
   const PetscReal courant = all ? all->courant : c->courant;
-  PetscMPIInt     ranks;
   json_t         *object, *critical = json_object();
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmJsonScene(s, "critical", ranks, wall_s, &object));
+  PetscCall(MpmJsonScene(s, "critical", wall_s, &object));
   if (MpmSceneHasStep(s)) MpmJsonSetFinding(object, all ? &all->finding : &c->asked);
   MpmJsonSet(critical, "critical_courant", courant);
   if (MpmSceneIsPhysical(s)) MpmJsonSet(critical, "critical_dt", MpmSceneTimeStep(s, courant));

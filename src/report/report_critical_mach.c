@@ -55,11 +55,9 @@ static void PrintFound(const MpmScene *s, const MpmRequest *request, const MpmCr
 
 PetscErrorCode MpmCriticalMachPrint(const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c)
 {
-  PetscMPIInt ranks;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmReportScene(s, request, ranks));
+  PetscCall(MpmReportScene(s, request));
   MpmPrint("\nat a fixed velocity the drift is M k: %" PetscInt_FMT
            " Courant numbers from %.6g to %.6g were searched\n",
            c->n, c->points[0].courant, c->points[c->n - 1].courant);
@@ -75,7 +73,7 @@ PetscErrorCode MpmCriticalMachPrint(const MpmScene *s, const MpmRequest *request
     MpmPrint("\nat Courant number %.6g", s->step.courant);
     PrintTimeStep(s, s->step.courant);
     MpmPrint(": growth %.9g per step\n", c->asked.growth);
-    PetscCall(MpmReportFinding(&c->asked, NAN));
+    MpmReportFinding(&c->asked, NAN);
   }
   MpmPrint("time: %.3g s\n", c->seconds);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -84,17 +82,15 @@ PetscErrorCode MpmCriticalMachPrint(const MpmScene *s, const MpmRequest *request
 PetscErrorCode MpmCriticalMachWriteJson(const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c,
                                         PetscReal wall_s)
 {
-  json_t     *object, *critical = json_object(), *mach = json_array();
-  PetscMPIInt ranks;
+  json_t   *object, *critical = json_object();
+  PetscReal mach[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmJsonScene(s, "critical", ranks, wall_s, &object));
+  PetscCall(MpmJsonScene(s, "critical", wall_s, &object));
   if (MpmSceneHasStep(s)) MpmJsonSetFinding(object, &c->asked);
-  for (PetscInt a = 0; a < s->layout.dim; a++)
-    json_array_append_new(mach, json_real((PetscReal)request->mach.times[a] * request->mach.unit.value));
+  for (PetscInt a = 0; a < s->layout.dim; a++) mach[a] = (PetscReal)request->mach.times[a] * request->mach.unit.value;
   if (!MpmSceneHasStep(s)) json_object_del(object, "drift"); /* that of the default Courant number */
-  json_object_set_new(critical, "mach", mach);
+  json_object_set_new(critical, "mach", MpmJsonNumbers(s->layout.dim, mach));
   if (c->stable) MpmJsonSet(critical, "critical_courant", c->points[c->stable - 1].courant);
   if (c->stable && MpmSceneIsPhysical(s))
     MpmJsonSet(critical, "critical_dt", MpmSceneTimeStep(s, c->points[c->stable - 1].courant));
@@ -107,9 +103,9 @@ PetscErrorCode MpmCriticalMachWriteJson(const MpmScene *s, const MpmRequest *req
   MpmJsonSet(critical, "rest_courant", c->rest);
   MpmJsonSet(critical, "searched_from", c->points[0].courant);
   MpmJsonSet(critical, "searched_to", c->points[c->n - 1].courant);
-  json_object_set_new(critical, "searched", json_integer(c->n));
-  json_object_set_new(critical, "unstable", json_integer(c->unstable));
-  json_object_set_new(critical, "undecided", json_integer(c->undecided));
+  MpmJsonSetCount(critical, "searched", c->n);
+  MpmJsonSetCount(critical, "unstable", c->unstable);
+  MpmJsonSetCount(critical, "undecided", c->undecided);
   MpmJsonSet(critical, "seconds", c->seconds);
   json_object_set_new(object, "critical", critical);
   PetscCall(MpmJsonWrite(request->json, object));

@@ -7,15 +7,13 @@ static const char *const rows[]  = {"interior", "free block", "lone particle", "
 static const char *const texts[] = {"cells alike in all directions, without an edge", "with nothing around it",
                                     "a particle with nothing around it", "the particles that the code described"};
 
-static PetscErrorCode PrintLimit(const MpmCriticalProgram *c, MpmProgramLimitKind kind)
+static void PrintLimit(const MpmCriticalProgram *c, MpmProgramLimitKind kind)
 {
   const PetscReal limit     = c->limit[kind];
   char            block[32] = "";
 
-  PetscFunctionBegin;
-  if (isnan(limit)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (kind == MPM_LIMIT_BLOCK)
-    PetscCall(PetscSNPrintf(block, sizeof block, "%" PetscInt_FMT " cells each way, ", c->block));
+  if (isnan(limit)) return;
+  if (kind == MPM_LIMIT_BLOCK) (void)snprintf(block, sizeof block, "%" PetscInt_FMT " cells each way, ", c->block);
   if (isinf(limit))
     MpmPrint("  %-14s %-13s %s%s; all steps that were tried, up to 1000 times the code's own, are stable\n", rows[kind],
              "none found", block, texts[kind]);
@@ -24,13 +22,11 @@ static PetscErrorCode PrintLimit(const MpmCriticalProgram *c, MpmProgramLimitKin
   else
     MpmPrint("  %-14s %-13.7g %s%s; the code came with %.4g%% of it\n", rows[kind], (double)limit, block, texts[kind],
              (double)(100 * c->given / limit));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* What the limits do not say: the interior alone is optimistic. */
-static PetscErrorCode PrintMissing(const MpmProgram *p, const MpmCriticalProgram *c)
+static void PrintMissing(const MpmProgram *p, const MpmCriticalProgram *c)
 {
-  PetscFunctionBegin;
   if (!isnan(c->limit[MPM_LIMIT_STATE]))
     MpmPrint(
         "a free block and a lone particle have limits of their own, which may be lower; they are found where cells are "
@@ -38,34 +34,26 @@ static PetscErrorCode PrintMissing(const MpmProgram *p, const MpmCriticalProgram
   else if (!p->stepper->any_count)
     MpmPrint("particles at an edge, or alone, may have lower limits; they are found where the code takes any number of "
              "particles (\"any_count\": true)\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportCriticalPlan(const MpmCriticalProgram *c)
+void MpmReportCriticalPlan(const MpmCriticalProgram *c)
 {
-  PetscFunctionBegin;
   MpmPrint("  the search for the largest stable %s takes about %.2g calls", c->name, (double)c->expected);
   if (c->block) MpmPrint(", most of them for a free block of %" PetscInt_FMT " cells each way", c->block);
   MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportCriticalProgram(const MpmProgram *p, const MpmCriticalProgram *c)
+void MpmReportCriticalProgram(const MpmProgram *p, const MpmCriticalProgram *c)
 {
-  char beta[96];
-
-  PetscFunctionBegin;
-  PetscCall(MpmReportCertificates(&p->certificates));
-  PetscCall(MpmReportApart(p));
+  MpmReportCertificates(&p->certificates);
+  MpmReportApart(p);
   MpmPrint("\nlargest stable %s, in the code's own units\n", c->name);
-  for (MpmProgramLimitKind kind = 0; kind < MPM_LIMIT_KINDS; kind++) PetscCall(PrintLimit(c, kind));
-  if (isfinite(c->limit[MPM_LIMIT_INTERIOR]) && c->limit[MPM_LIMIT_INTERIOR] > 0) {
-    PetscCall(MpmReportVector(c->dim, c->beta, 6, sizeof beta, beta));
-    MpmPrint("the wave that limits the interior: beta = %s\n", beta);
-  }
+  for (MpmProgramLimitKind kind = 0; kind < MPM_LIMIT_KINDS; kind++) PrintLimit(c, kind);
+  if (isfinite(c->limit[MPM_LIMIT_INTERIOR]) && c->limit[MPM_LIMIT_INTERIOR] > 0)
+    MpmPrint("the wave that limits the interior: beta = %s\n", MpmVectorText(c->dim, c->beta, 6, MPM_VECTOR_ROOM));
   if (c->carriers.n) MpmPrint("what limits: the %s\n", rows[c->least]);
-  PetscCall(MpmReportCarriers(&c->carriers));
-  PetscCall(PrintMissing(p, c));
+  MpmReportCarriers(&c->carriers);
+  PrintMissing(p, c);
   if (c->why)
     MpmPrint("critical %s: undecided, since %s\n", c->name, c->why);
   else if (isfinite(c->critical) && c->critical > 0)
@@ -73,31 +61,26 @@ PetscErrorCode MpmReportCriticalProgram(const MpmProgram *p, const MpmCriticalPr
              (double)c->given, (double)(100 * c->given / c->critical));
   MpmPrint("%" PetscInt_FMT " operators were built, with %" PetscInt64_FMT " calls on the first rank\n\nat %s = %.7g\n",
            c->probes, c->calls, c->name, (double)c->given);
-  PetscCall(MpmReportFinding(&c->finding, NAN));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmReportFinding(&c->finding, NAN);
 }
 
-PetscErrorCode MpmCriticalProgramWriteJson(const MpmProgram *p, const MpmCriticalProgram *c, PetscMPIInt ranks,
-                                           PetscReal wall_s)
+PetscErrorCode MpmCriticalProgramWriteJson(const MpmProgram *p, const MpmCriticalProgram *c, PetscReal wall_s)
 {
-  json_t *object, *critical = json_object(), *limits = json_object(), *beta = json_array();
+  json_t *object, *critical = json_object(), *limits = json_object();
 
   PetscFunctionBegin;
-  PetscCall(MpmJsonFile(p->request, ranks, wall_s, &object));
+  PetscCall(MpmJsonFile(p->request, wall_s, &object));
   MpmJsonSetFinding(object, &c->finding);
   MpmJsonSet(critical, "critical_dt", c->critical);
   MpmJsonSet(critical, "given_dt", c->given);
   for (MpmProgramLimitKind kind = 0; kind < MPM_LIMIT_KINDS; kind++)
     MpmJsonSet(limits, MpmProgramLimitNames[kind], c->limit[kind]);
   json_object_set_new(critical, "limits", limits);
-  for (PetscInt a = 0; a < c->dim; a++) json_array_append_new(beta, json_real(c->beta[a]));
-  if (!isnan(c->limit[MPM_LIMIT_INTERIOR]))
-    json_object_set(critical, "limited_by_beta", c->dim == 1 ? json_array_get(beta, 0) : beta);
-  json_decref(beta);
+  if (!isnan(c->limit[MPM_LIMIT_INTERIOR])) MpmJsonSetVector(critical, "limited_by_beta", c->dim, c->beta);
   if (c->carriers.n) json_object_set_new(critical, "carriers", MpmJsonCarriers(&c->carriers));
-  json_object_set_new(critical, "evaluations", json_integer(c->probes));
+  MpmJsonSetCount(critical, "evaluations", c->probes);
   MpmJsonSet(critical, "seconds", wall_s);
-  if (c->why) json_object_set_new(critical, "undecided", json_string(c->why));
+  if (c->why) MpmJsonSetText(critical, "undecided", c->why);
   json_object_set_new(object, "critical", critical);
   json_object_set_new(object, "probing", MpmJsonProgram(p));
   PetscCall(MpmJsonWrite(p->request->json, object));

@@ -14,9 +14,8 @@ static PetscBool IsShown(PetscInt w)
 }
 
 /* Prints a row for each wave. unit: what decay is multiplied by, with a column for it; 0: none. */
-static PetscErrorCode PrintStep(const MpmDamping *d, PetscInt i, PetscReal unit)
+static void PrintStep(const MpmDamping *d, PetscInt i, PetscReal unit)
 {
-  PetscFunctionBegin;
   for (PetscInt w = 0; w < d->nwaves; w++) {
     const PetscInt  at    = d->nwaves * i + w;
     const PetscReal decay = fabs(d->decay[at]) < ROUNDING ? 0 : d->decay[at];
@@ -33,32 +32,19 @@ static PetscErrorCode PrintStep(const MpmDamping *d, PetscInt i, PetscReal unit)
       MpmPrint("  %+15.5g", d->frequency[at]);
     MpmPrint("  %7.4f\n", d->match[at]);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmDampingPrint(const MpmScene *scene, const MpmDamping *d)
+void MpmDampingPrint(const MpmScene *scene, const MpmDamping *d)
 {
   const PetscReal unit = MpmSceneIsPhysical(scene) ? scene->wave_speed / scene->cell_width : 0;
 
-  PetscFunctionBegin;
   MpmPrint(
       "\ndamping of waves along x, of the mode of each that is nearest to the exact wave travelling to the right\n");
   MpmPrint("  %-10s  %-9s  %12s", "courant", "cells", "decay c/h");
   if (unit > 0) MpmPrint("  %12s", "decay 1/time");
   MpmPrint("  %13s  %15s  %7s\n", "kept a period", "frequency error", "match");
-  for (PetscInt i = 0; i < d->nsteps; i++) PetscCall(PrintStep(d, i, unit));
+  for (PetscInt i = 0; i < d->nsteps; i++) PrintStep(d, i, unit);
   MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* JSON has no number that is not finite, so null stands for it. */
-static json_t *Numbers(PetscInt n, const PetscReal values[], PetscReal unit)
-{
-  json_t *array = json_array();
-
-  for (PetscInt i = 0; i < n; i++)
-    json_array_append_new(array, isfinite(values[i]) ? json_real(values[i] * unit) : json_null());
-  return array;
 }
 
 /* A list for each time step. */
@@ -66,8 +52,13 @@ static json_t *Rows(const MpmDamping *d, const PetscReal values[], PetscReal uni
 {
   json_t *array = json_array();
 
-  for (PetscInt i = 0; i < d->nsteps; i++)
-    json_array_append_new(array, Numbers(d->nwaves, values + d->nwaves * i, unit));
+  for (PetscInt i = 0; i < d->nsteps; i++) {
+    json_t *row = json_array();
+
+    for (const PetscReal *v = values + d->nwaves * i; v < values + d->nwaves * (i + 1); v++)
+      json_array_append_new(row, isfinite(*v) ? json_real(*v * unit) : json_null());
+    json_array_append_new(array, row);
+  }
   return array;
 }
 
@@ -75,8 +66,8 @@ json_t *MpmDampingJson(const MpmScene *scene, const MpmDamping *d)
 {
   json_t *object = json_object();
 
-  json_object_set_new(object, "wavelength", Numbers(d->nwaves, d->wavelength, 1));
-  json_object_set_new(object, "courant", Numbers(d->nsteps, d->courant, 1));
+  json_object_set_new(object, "wavelength", MpmJsonNumbers(d->nwaves, d->wavelength));
+  json_object_set_new(object, "courant", MpmJsonNumbers(d->nsteps, d->courant));
   json_object_set_new(object, "decay", Rows(d, d->decay, 1));
   if (MpmSceneIsPhysical(scene))
     json_object_set_new(object, "decay_per_time", Rows(d, d->decay, scene->wave_speed / scene->cell_width));

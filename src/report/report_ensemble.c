@@ -4,9 +4,8 @@
 #include "report/report.h"
 #include <math.h>
 
-static PetscErrorCode PrintVerdict(const MpmEnsemble *e)
+static void PrintVerdict(const MpmEnsemble *e)
 {
-  PetscFunctionBegin;
   MpmPrint("\nverdict: %s", MpmVerdictNames[e->finding.verdict]);
   if (e->unstable)
     MpmPrint(", %" PetscInt_FMT " of %" PetscInt_FMT " layouts grow beyond 1 + %.6g\n", e->unstable, e->n,
@@ -18,16 +17,13 @@ static PetscErrorCode PrintVerdict(const MpmEnsemble *e)
     MpmPrint(", none of %" PetscInt_FMT " layouts grows; of all there are at most %.4g%% do, with 95%% confidence\n",
              e->n, 100 * e->interval[1]);
   MpmPrint("evidence: %s\n", e->finding.evidence);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmEnsemblePrint(const MpmEnsemble *e)
 {
-  PetscMPIInt ranks;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmReportScene(e->scene, e->request, ranks));
+  PetscCall(MpmReportScene(e->scene, e->request));
   MpmPrint("\nlayouts    %" PetscInt_FMT ", seeds %" PetscInt64_FMT " to %" PetscInt64_FMT "\n", e->n,
            e->scene->layout.seed, e->scene->layout.seed + e->n - 1);
   MpmPrint("unstable   %" PetscInt_FMT "\nundecided  %" PetscInt_FMT "\n", e->unstable, e->undecided);
@@ -38,29 +34,27 @@ PetscErrorCode MpmEnsemblePrint(const MpmEnsemble *e)
   else
     MpmPrint("growth     per step: smallest %.9g, median %.9g, largest %.9g (-seed %" PetscInt64_FMT ")\n",
              e->growth_min, e->growth_median, e->growth_max, e->worst_seed);
-  PetscCall(PrintVerdict(e));
+  PrintVerdict(e);
   MpmPrint("time: %.3g s\n", e->seconds);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmEnsembleWriteJson(const MpmEnsemble *e, PetscReal wall_s)
 {
-  PetscMPIInt ranks;
-  json_t     *object, *ensemble = json_object();
+  json_t *object, *ensemble = json_object();
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmJsonScene(e->scene, "ensemble", ranks, wall_s, &object));
+  PetscCall(MpmJsonScene(e->scene, "ensemble", wall_s, &object));
   MpmJsonSetFinding(object, &e->finding);
-  json_object_set_new(ensemble, "layouts", json_integer(e->n));
-  json_object_set_new(ensemble, "unstable", json_integer(e->unstable));
-  json_object_set_new(ensemble, "undecided", json_integer(e->undecided));
+  MpmJsonSetCount(ensemble, "layouts", e->n);
+  MpmJsonSetCount(ensemble, "unstable", e->unstable);
+  MpmJsonSetCount(ensemble, "undecided", e->undecided);
   MpmJsonSet(ensemble, "share", e->share);
   json_object_set_new(ensemble, "interval", json_pack("[f, f]", e->interval[0], e->interval[1]));
   MpmJsonSet(ensemble, "growth_min", e->growth_min);
   MpmJsonSet(ensemble, "growth_median", e->growth_median);
   MpmJsonSet(ensemble, "growth_max", e->growth_max);
-  if (!isnan(e->growth_max)) json_object_set_new(ensemble, "worst_seed", json_integer(e->worst_seed));
+  if (!isnan(e->growth_max)) MpmJsonSetCount(ensemble, "worst_seed", e->worst_seed);
   MpmJsonSet(ensemble, "tolerance", e->request->tolerance);
   MpmJsonSet(ensemble, "seconds", e->seconds);
   json_object_set_new(object, "ensemble", ensemble);

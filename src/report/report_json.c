@@ -56,13 +56,9 @@ static void SetTransfer(json_t *object, const MpmRun *run)
                                      *most = &run->transfer_most;
   const MpmTable *table                    = run->scene->scheme.table;
 
-  if (run->request->weights) {
-    json_t *weights = json_object();
-
-    MpmJsonSet(weights, "c1_min", most->c1_min);
-    MpmJsonSet(weights, "c1_max", most->c1_max);
-    json_object_set_new(object, "weights", weights);
-  }
+  if (run->request->weights) json_object_set_new(object, "weights", json_object());
+  if (run->request->weights) MpmJsonSet(object, "weights.c1_min", most->c1_min);
+  if (run->request->weights) MpmJsonSet(object, "weights.c1_max", most->c1_max);
   if (run->request->source_term)
     json_object_set_new(object, "source_term", PerField(table, NULL, last->source, most->source));
   if (run->request->ringing)
@@ -73,29 +69,29 @@ static void SetTransfer(json_t *object, const MpmRun *run)
 static json_t *Pace(const MpmRun *run)
 {
   const MpmPace *pace   = run->pace;
-  json_t        *object = json_object(), *steps = json_object();
+  json_t        *object = json_object();
 
   MpmJsonSet(object, "limit", pace->limit);
-  json_object_set_new(object, "limited_by", json_string(MpmNeighbourhoodNames[pace->where]));
+  MpmJsonSetText(object, "limited_by", MpmNeighbourhoodNames[pace->where]);
   MpmJsonSet(object, "safety", run->scene->safety);
   if (MpmPaceHasChosen(pace)) {
     MpmJsonSet(object, "dt_least", MpmSceneTimeStep(run->scene, pace->least));
     MpmJsonSet(object, "dt_largest", MpmSceneTimeStep(run->scene, pace->largest));
   }
-  json_object_set_new(object, "changes", json_integer(pace->changes));
+  MpmJsonSetCount(object, "changes", pace->changes);
+  json_object_set_new(object, "steps", json_object());
   for (MpmPaceReason r = 0; r < MPM_PACE_REASONS; r++)
-    json_object_set_new(steps, MpmPaceReasonNames[r], json_integer(pace->taken[r]));
-  json_object_set_new(object, "steps", steps);
+    MpmJsonSetCount(json_object_get(object, "steps"), MpmPaceReasonNames[r], pace->taken[r]);
   return object;
 }
 
 static json_t *Run(const MpmRun *run)
 {
-  json_t         *object = json_object(), *energy = json_object();
-  const PetscReal work = (PetscReal)(run->steps - run->from) * (PetscReal)run->scene->layout.particles;
+  json_t         *object = json_object();
+  const PetscReal work   = (PetscReal)(run->steps - run->from) * (PetscReal)run->scene->layout.particles;
 
-  json_object_set_new(object, "steps", json_integer(run->steps));
-  if (run->from) json_object_set_new(object, "restarted_at_step", json_integer(run->from));
+  MpmJsonSetCount(object, "steps", run->steps);
+  if (run->from) MpmJsonSetCount(object, "restarted_at_step", run->from);
   MpmJsonSet(object, "time", run->time);
   if (run->pace) json_object_set_new(object, "courant_auto", Pace(run));
   MpmJsonSet(object, "loop_s", run->loop_s);
@@ -106,18 +102,17 @@ static json_t *Run(const MpmRun *run)
   if (run->growth.measured) {
     MpmJsonSet(object, "growth_measured", run->growth.per_step);
     MpmJsonSet(object, "growth_error", run->growth.error);
-    json_object_set_new(object, "growth_kind", json_string(MpmGrowthKindNames[run->growth.kind]));
+    MpmJsonSetText(object, "growth_kind", MpmGrowthKindNames[run->growth.kind]);
   }
-  MpmJsonSet(energy, "initial", run->energy_initial);
-  MpmJsonSet(energy, "final", run->energy_final);
-  json_object_set_new(object, "energy", energy);
+  json_object_set_new(object, "energy", json_object());
+  MpmJsonSet(object, "energy.initial", run->energy_initial);
+  MpmJsonSet(object, "energy.final", run->energy_final);
   MpmJsonSet(object, "mass_change", run->mass_change);
   MpmJsonSet(object, "momentum_change", run->momentum_change);
   SetTransfer(object, run);
   if (run->tangents) MpmTangentsJson(run->tangents, object);
   if (run->lost) MpmJsonSet(object, "growth_above", run->growth_above);
-  if (run->blew_up_at_step != MPM_NEVER)
-    json_object_set_new(object, "blew_up_at_step", json_integer(run->blew_up_at_step));
+  if (run->blew_up_at_step != MPM_NEVER) MpmJsonSetCount(object, "blew_up_at_step", run->blew_up_at_step);
   return object;
 }
 
@@ -126,8 +121,8 @@ PetscErrorCode MpmRunWriteJson(const MpmRun *run)
   json_t *object;
 
   PetscFunctionBegin;
-  PetscCall(MpmJsonScene(run->scene, "run", run->ranks, run->wall_s, &object));
-  json_object_set_new(object, "verdict", json_string(MpmVerdictNames[run->verdict]));
+  PetscCall(MpmJsonScene(run->scene, "run", run->wall_s, &object));
+  MpmJsonSetText(object, "verdict", MpmVerdictNames[run->verdict]);
   if (run->growth.measured) MpmJsonSet(object, "growth", run->growth.per_step);
   json_object_set_new(object, "predicted", Predicted(run));
   json_object_set_new(object, "run", Run(run));

@@ -31,21 +31,19 @@ void MpmReportWindows(PetscInt blanks, PetscReal courant, const MpmCriticalWindo
            (int)blanks, "", windows->n ? "" : "below that there is no growth; ", windows->looked);
 }
 
-PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth,
-                              PetscBool windows)
+void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth, PetscBool windows)
 {
   const PetscReal   limit = MpmSceneTimeStep(scene, courant), ratio = scene->step.courant / courant;
   const char *const name = MpmSceneDrifts(scene) ? "largest dt with growth within tolerance" : "largest stable dt";
 
-  PetscFunctionBegin;
-  if (!MpmSceneIsPhysical(scene) || isnan(courant)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmSceneIsPhysical(scene) || isnan(courant)) return;
   if (isinf(courant)) {
     MpmPrint("%s: none up to %.6g is unstable%s\n", name, MpmSceneTimeStep(scene, MPM_CRITICAL_TO),
              windows ? ", but for windows of growth" : "");
-    PetscFunctionReturn(PETSC_SUCCESS);
+    return;
   }
   MpmPrint("%s: %.6g%s\n", name, limit, windows ? ", with windows of growth below it" : "");
-  if (!MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmSceneHasStep(scene)) return;
   if (courant == 0)
     MpmPrint("dt %.6g is beyond it", scene->dt);
   else
@@ -53,5 +51,4 @@ PetscErrorCode MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscR
              ratio <= 1 ? "of the limit" : "times the limit", limit);
   if (ratio > 1 || growth > 1 + tolerance) PrintGrowth(tolerance, growth);
   MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

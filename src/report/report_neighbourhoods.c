@@ -16,123 +16,107 @@ static PetscBool Has(PetscInt dim, const PetscReal values[])
 }
 
 /* Where the first particle stands, in the directions that count. */
-static PetscErrorCode PlaceText(PetscInt dim, const MpmNeighbourhood *one, size_t room, char text[])
+static void PlaceText(PetscInt dim, const MpmNeighbourhood *one, size_t room, char text[])
 {
   char part[32];
 
-  PetscFunctionBegin;
   text[0] = '\0';
   for (PetscInt a = 0; a < dim; a++) {
     if (isnan(one->place[a])) continue;
-    PetscCall(PetscSNPrintf(part, sizeof part, "%s%.4g", text[0] ? ", " : dim > 1 ? "(" : "", one->place[a]));
-    PetscCall(MpmTextJoin(text, part, room));
+    (void)snprintf(part, sizeof part, "%s%.4g", text[0] ? ", " : dim > 1 ? "(" : "", one->place[a]);
+    MpmTextJoin(text, part, room);
   }
-  if (text[0] && dim > 1) PetscCall(MpmTextJoin(text, ")", room));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (text[0] && dim > 1) MpmTextJoin(text, ")", room);
 }
 
 /* What limits a surface or a lone particle. */
-static PetscErrorCode StandsText(PetscInt dim, const MpmNeighbourhood *one, size_t room, char text[])
+static void StandsText(PetscInt dim, const MpmNeighbourhood *one, size_t room, char text[])
 {
   const char *const who    = one->kind == MPM_ALONE ? "the particle" : "the first particle";
   PetscReal         length = 0;
   char              place[64];
 
-  PetscFunctionBegin;
   if (one->inside) {
-    PetscCall(PetscStrncpy(text,
-                           one->kind == MPM_AT_CORNER ? "waves inside or at an edge: the corner makes nothing worse"
-                                                      : "waves inside: the surfaces make nothing worse",
-                           room));
-    PetscCall(PetscSNPrintf(place, sizeof place, ", searched at %" PetscInt_FMT " places, %" PetscInt_FMT " cells deep",
-                            one->places, one->depth));
-    if (one->places > 0) PetscCall(MpmTextJoin(text, place, room));
-    PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(text, room, "%s",
+                   one->kind == MPM_AT_CORNER ? "waves inside or at an edge: the corner makes nothing worse"
+                                              : "waves inside: the surfaces make nothing worse");
+    (void)snprintf(place, sizeof place, ", searched at %" PetscInt_FMT " places, %" PetscInt_FMT " cells deep",
+                   one->places, one->depth);
+    if (one->places > 0) MpmTextJoin(text, place, room);
+    return;
   }
-  PetscCall(PlaceText(dim, one, sizeof place, place));
+  PlaceText(dim, one, sizeof place, place);
   if (place[0])
-    PetscCall(PetscSNPrintf(text, room, "when %s %s xi = %s", who, one->approached ? "comes near" : "is at", place));
+    (void)snprintf(text, room, "when %s %s xi = %s", who, one->approached ? "comes near" : "is at", place);
   else
-    PetscCall(PetscSNPrintf(text, room, "wherever %s stands in its cell", who));
-  if (one->closed) PetscCall(MpmTextJoin(text, ", in closed form", room));
+    (void)snprintf(text, room, "wherever %s stands in its cell", who);
+  if (one->closed) MpmTextJoin(text, ", in closed form", room);
   for (PetscInt a = 0; a < dim; a++)
     if (!isnan(one->beta[a])) length += PetscSqr(one->beta[a]);
-  if (length < LONG) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(place, sizeof place, ", waves of %.4g cells along it", 2 * PETSC_PI / sqrt(length)));
-  PetscCall(MpmTextJoin(text, place, room));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (length < LONG) return;
+  (void)snprintf(place, sizeof place, ", waves of %.4g cells along it", 2 * PETSC_PI / sqrt(length));
+  MpmTextJoin(text, place, room);
 }
 
-static PetscErrorCode RandomText(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhood *one, size_t room,
-                                 char text[])
+static void RandomText(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhood *one, size_t room,
+                       char text[])
 {
   char grow[64];
 
-  PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(text, room,
-                          "the worst of %" PetscInt_FMT " layouts with %.4g%% voids (-seed %" PetscInt64_FMT ")",
-                          one->layouts, 100 * request->voids, one->worst_seed));
-  PetscCall(
-      PetscSNPrintf(grow, sizeof grow, ", %" PetscInt_FMT " of them grow at %.6g", one->unstable, s->step.courant));
-  if (MpmSceneHasStep(s)) PetscCall(MpmTextJoin(text, grow, room));
-  if (one->fades) PetscCall(MpmTextJoin(text, ", growth only fades towards Courant number 0", room));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(text, room, "the worst of %" PetscInt_FMT " layouts with %.4g%% voids (-seed %" PetscInt64_FMT ")",
+                 one->layouts, 100 * request->voids, one->worst_seed);
+  (void)snprintf(grow, sizeof grow, ", %" PetscInt_FMT " of them grow at %.6g", one->unstable, s->step.courant);
+  if (MpmSceneHasStep(s)) MpmTextJoin(text, grow, room);
+  if (one->fades) MpmTextJoin(text, ", growth only fades towards Courant number 0", room);
 }
 
-static PetscErrorCode ReasonText(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhood *one, size_t room,
-                                 char text[])
+static void ReasonText(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhood *one, size_t room,
+                       char text[])
 {
   const PetscInt dim = s->layout.dim;
 
-  PetscFunctionBegin;
   text[0] = '\0';
   if (one->why_not)
-    PetscCall(PetscStrncpy(text, one->why_not, room));
+    (void)snprintf(text, room, "%s", one->why_not);
   else if (one->kind == MPM_AT_RANDOM)
-    PetscCall(RandomText(s, request, one, room, text));
+    RandomText(s, request, one, room, text);
   else if (isinf(one->courant))
-    PetscCall(PetscStrncpy(text, "no Courant number is unstable", room));
+    (void)snprintf(text, room, "%s", "no Courant number is unstable");
   else if (one->kind != MPM_IN_BULK)
-    PetscCall(StandsText(dim, one, room, text));
+    StandsText(dim, one, room, text);
   else if (!isnan(one->beta[0]))
-    PetscCall(MpmReportWave(dim, PETSC_FALSE, one->wave, one->beta, room, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    MpmReportWave(dim, PETSC_FALSE, one->wave, one->beta, room, text);
 }
 
-static PetscErrorCode NumberText(PetscReal value, const char infinite[], size_t room, char text[])
+static void NumberText(PetscReal value, const char infinite[], size_t room, char text[])
 {
-  PetscFunctionBegin;
   if (isnan(value))
-    PetscCall(PetscStrncpy(text, "undecided", room));
+    (void)snprintf(text, room, "%s", "undecided");
   else if (isinf(value))
-    PetscCall(PetscStrncpy(text, infinite, room));
+    (void)snprintf(text, room, "%s", infinite);
   else
-    PetscCall(PetscSNPrintf(text, room, "%.6g", value));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(text, room, "%.6g", value);
 }
 
 /* A line: the limit and the time step, or the growth; then the reason. */
-static PetscErrorCode PrintLine(const MpmScene *s, const MpmRequest *request, PetscBool limits,
-                                const MpmNeighbourhood *one)
+static void PrintLine(const MpmScene *s, const MpmRequest *request, PetscBool limits, const MpmNeighbourhood *one)
 {
   char number[24], reason[ROOM];
 
-  PetscFunctionBegin;
   MpmPrint("%-8s", MpmNeighbourhoodNames[one->kind]);
   if (limits) {
-    PetscCall(NumberText(one->courant, "none", sizeof number, number));
+    NumberText(one->courant, "none", sizeof number, number);
     MpmPrint(" %-11s", number);
     if (MpmSceneIsPhysical(s)) {
-      PetscCall(NumberText(MpmSceneTimeStep(s, one->courant), "none", sizeof number, number));
+      NumberText(MpmSceneTimeStep(s, one->courant), "none", sizeof number, number);
       MpmPrint(" %-12s", number);
     }
   } else {
-    PetscCall(NumberText(one->growth, "unbounded", sizeof number, number));
+    NumberText(one->growth, "unbounded", sizeof number, number);
     MpmPrint(" %-11s", number);
   }
-  PetscCall(ReasonText(s, request, one, sizeof reason, reason));
+  ReasonText(s, request, one, sizeof reason, reason);
   MpmPrint("%s%s\n", reason[0] ? " " : "", reason);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The neighbourhood as the subject of a sentence. */
@@ -158,36 +142,33 @@ static void PrintAway(const MpmScene *s, const MpmNeighbourhoods *all)
   }
 }
 
-static PetscErrorCode PrintLeast(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhoods *all)
+static void PrintLeast(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhoods *all)
 {
   const MpmNeighbourhood *least = all->least == MPM_NONE ? NULL : &all->of[all->least];
   char                    reason[ROOM];
 
-  PetscFunctionBegin;
   if (isnan(all->courant)) {
     MpmPrint("the worst of them: undecided");
     if (least) MpmPrint(", of those that are known %s has the least limit", Subject(least->kind));
     MpmPrint("\n");
-    PetscFunctionReturn(PETSC_SUCCESS);
+    return;
   }
   if (isinf(all->courant)) {
     MpmPrint("the worst of them: none limits the Courant number up to %.6g%s\n", MPM_CRITICAL_TO,
              MpmNeighbourhoodsHaveWindows(all) ? ", but for windows of growth" : "");
-    PetscFunctionReturn(PETSC_SUCCESS);
+    return;
   }
   MpmPrint("the worst of them: %s limits the Courant number to %.6g", Subject(least->kind), all->courant);
   if (MpmSceneIsPhysical(s)) MpmPrint(", the time step to %.6g", MpmSceneTimeStep(s, all->courant));
-  PetscCall(ReasonText(s, request, least, sizeof reason, reason));
+  ReasonText(s, request, least, sizeof reason, reason);
   MpmPrint(" (%s)%s\n", reason, MpmNeighbourhoodsHaveWindows(all) ? ", with windows of growth below it" : "");
   if (all->courant == 0) PrintAway(s, all);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintVerdict(const MpmScene *s, const MpmNeighbourhoods *all)
+static void PrintVerdict(const MpmScene *s, const MpmNeighbourhoods *all)
 {
   const MpmFinding *f = &all->finding;
 
-  PetscFunctionBegin;
   MpmPrint("\nverdict: %s", MpmVerdictNames[f->verdict]);
   if (f->verdict == MPM_UNSTABLE && all->fastest != MPM_NONE) {
     MpmPrint(", at Courant number %.6g %s grows ", s->step.courant, Subject(all->of[all->fastest].kind));
@@ -200,19 +181,17 @@ static PetscErrorCode PrintVerdict(const MpmScene *s, const MpmNeighbourhoods *a
   else
     MpmPrint(", none of them grows at Courant number %.6g beyond 1 + %.6g per step\n", s->step.courant, f->tolerance);
   MpmPrint("evidence: %s\n", f->evidence);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmNeighbourhoodsPrint(const MpmScene *s, const MpmRequest *request, PetscBool limits,
-                                      const MpmNeighbourhoods *all)
+void MpmNeighbourhoodsPrint(const MpmScene *s, const MpmRequest *request, PetscBool limits,
+                            const MpmNeighbourhoods *all)
 {
   PetscBool places = PETSC_FALSE;
 
-  PetscFunctionBegin;
   MpmPrint("\nwhere    %-11s%s reason\n", limits ? "limit" : "growth",
            limits && MpmSceneIsPhysical(s) ? " time step   " : "");
   for (PetscInt i = 0; i < all->n; i++) {
-    PetscCall(PrintLine(s, request, limits, &all->of[i]));
+    PrintLine(s, request, limits, &all->of[i]);
     if (limits) MpmReportWindows(9, all->of[i].courant, &all->of[i].windows);
     if (Has(s->layout.dim, all->of[i].place)) places = PETSC_TRUE;
   }
@@ -224,18 +203,8 @@ PetscErrorCode MpmNeighbourhoodsPrint(const MpmScene *s, const MpmRequest *reque
   if (all->bound > 0)
     MpmPrint("no layout of such particles at rest grows up to the Courant number %.6g, so none is worse than that\n",
              all->bound);
-  if (limits) PetscCall(PrintLeast(s, request, all));
-  if (MpmSceneHasStep(s) || !limits) PetscCall(PrintVerdict(s, all));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static json_t *Array(PetscInt dim, const PetscReal values[])
-{
-  json_t *array = json_array();
-
-  for (PetscInt a = 0; a < dim; a++)
-    json_array_append_new(array, isnan(values[a]) ? json_null() : json_real(values[a]));
-  return array;
+  if (limits) PrintLeast(s, request, all);
+  if (MpmSceneHasStep(s) || !limits) PrintVerdict(s, all);
 }
 
 /* Growth is at the scene's own Courant number, which a critical in physical units need not have. */
@@ -250,23 +219,23 @@ static json_t *One(const MpmScene *s, const MpmNeighbourhood *one, PetscBool lim
   if (MpmSceneIsPhysical(s)) MpmJsonSet(object, "critical_dt", MpmSceneTimeStep(s, one->courant));
   if (grows) {
     MpmJsonSet(object, "growth", one->growth);
-    json_object_set_new(object, "verdict", json_string(MpmVerdictNames[one->verdict]));
+    MpmJsonSetText(object, "verdict", MpmVerdictNames[one->verdict]);
   }
-  if (Has(dim, one->place)) json_object_set_new(object, "place", Array(dim, one->place));
-  if (Has(dim, one->beta)) json_object_set_new(object, "limited_by_beta", Array(dim, one->beta));
+  if (Has(dim, one->place)) json_object_set_new(object, "place", MpmJsonNumbers(dim, one->place));
+  if (Has(dim, one->beta)) json_object_set_new(object, "limited_by_beta", MpmJsonNumbers(dim, one->beta));
   if (one->kind != MPM_IN_BULK && !isnan(one->courant))
     json_object_set_new(object, "approached", json_boolean(one->approached));
-  if (one->why_not) json_object_set_new(object, "undecided", json_string(one->why_not));
+  if (one->why_not) MpmJsonSetText(object, "undecided", one->why_not);
   if (one->layouts) {
-    json_object_set_new(object, "layouts", json_integer(one->layouts));
-    json_object_set_new(object, "worst_seed", json_integer(one->worst_seed));
+    MpmJsonSetCount(object, "layouts", one->layouts);
+    MpmJsonSetCount(object, "worst_seed", one->worst_seed);
   }
   if (one->layouts && grows) {
-    json_object_set_new(object, "unstable", json_integer(one->unstable));
+    MpmJsonSetCount(object, "unstable", one->unstable);
     json_object_set_new(object, "share", json_real((PetscReal)one->unstable / (PetscReal)one->layouts));
   }
   MpmJsonSetWindows(object, &one->windows);
-  json_object_set_new(object, "evaluations", json_integer(one->evaluations));
+  MpmJsonSetCount(object, "evaluations", one->evaluations);
   MpmJsonSet(object, "seconds", one->seconds);
   return object;
 }
@@ -280,6 +249,6 @@ void MpmNeighbourhoodsJson(const MpmScene *s, const MpmNeighbourhoods *all, Pets
     json_object_set_new(each, MpmNeighbourhoodNames[all->of[i].kind], One(s, &all->of[i], limits));
   json_object_set_new(object, "neighbourhoods", each);
   if (worst != MPM_NONE)
-    json_object_set_new(object, limits ? "limited_by_neighbourhood" : "worst_neighbourhood",
-                        json_string(MpmNeighbourhoodNames[all->of[worst].kind]));
+    MpmJsonSetText(object, limits ? "limited_by_neighbourhood" : "worst_neighbourhood",
+                   MpmNeighbourhoodNames[all->of[worst].kind]);
 }

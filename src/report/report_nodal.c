@@ -35,7 +35,7 @@ PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[])
   PetscCall(NameImages(table, plan, &images));
   MpmPrint("%sat rest the nodes see a %" PetscInt_FMT " x %" PetscInt_FMT " matrix at each phase%s\n", before,
            plan->nimages, plan->nimages, images.text);
-  PetscCall(MpmTextFree(&images));
+  MpmTextFree(&images);
   PetscCall(MpmNodalPlanDestroy(&plan));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,14 +2,13 @@
 #include "report/report_program.h"
 #include <math.h>
 
-static PetscErrorCode PrintMatrixFree(const MpmProgram *p)
+static void PrintMatrixFree(const MpmProgram *p)
 {
   const MpmStepper *s     = p->stepper;
   const char       *since = s->place == MPM_NONE && !s->cell ? ", since particles do not say where they are"
                             : p->colours.everywhere          ? ", since a step reaches the whole domain"
                                                              : "";
 
-  PetscFunctionBegin;
   if (p->shell)
     MpmPrint(
         "probing: matrix_free%s; a product with the operator is two calls, and those eigenvalues of largest magnitude "
@@ -17,16 +16,13 @@ static PetscErrorCode PrintMatrixFree(const MpmProgram *p)
         since);
   else
     MpmPrint("probing: matrix_free%s; the %" PetscInt_FMT " columns are probed one by one", since, p->columns);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
+void MpmReportProgram(const MpmProgram *p)
 {
   const MpmStepper *s = p->stepper;
-  char              text[96];
 
-  PetscFunctionBegin;
-  PetscCall(MpmReportFile(p->request, s->name, ranks));
+  MpmReportFile(p->request, s->name);
   MpmPrint("%" PetscInt64_FMT " particles with %" PetscInt_FMT " numbers each, in %" PetscInt_FMT
            " direction%s, cells of %.6g; ",
            s->particles, s->width, s->dim, s->dim == 1 ? "" : "s", (double)s->cell_width);
@@ -35,15 +31,13 @@ PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
              i + 1 < s->nparameters ? ", " : "\n");
   if (!s->nparameters) MpmPrint("it names no parameters\n");
   if (p->kind == MPM_PROBE_BLOCH) {
-    PetscCall(MpmReportCounts(s->dim, p->lattice.cells, sizeof text, text));
-    MpmPrint("probing: bloch, since the %s cells are alike; the unknowns of one cell are %" PetscInt_FMT, text,
-             p->columns);
+    MpmPrint("probing: bloch, since the %s cells are alike; the unknowns of one cell are %" PetscInt_FMT,
+             MpmCountsText(s->dim, p->lattice.cells, MPM_VECTOR_ROOM), p->columns);
   } else if (p->kind == MPM_PROBE_MATRIX_FREE) {
-    PetscCall(PrintMatrixFree(p));
+    PrintMatrixFree(p);
   } else {
-    PetscCall(MpmReportCounts(s->dim, p->colours.reach, sizeof text, text));
     MpmPrint("probing: coloured%s%s; a step reaches %s cells, so that unknowns have %" PetscInt_FMT " colours",
-             p->why[0] ? ", since " : "", p->why, text, p->columns);
+             p->why[0] ? ", since " : "", p->why, MpmCountsText(s->dim, p->colours.reach, MPM_VECTOR_ROOM), p->columns);
   }
   if (p->columns)
     MpmPrint("\n  cost: %" PetscInt_FMT " calls of %" PetscInt_FMT
@@ -55,40 +49,32 @@ PetscErrorCode MpmReportProgram(const MpmProgram *p, PetscMPIInt ranks)
              p->probe.steps, p->probe.steps == 1 ? "" : "s");
   MpmPrint("  sizes of perturbations: %.3g and %.3g of each field's scale; the code computes in %s precision\n",
            (double)p->probe.size, (double)p->probe.other, p->probe.single ? "single" : "double");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Names the number of a particle that shows most that a certificate fails, with its place. */
-static PetscErrorCode PrintMost(const MpmStepper *s, MpmCertificate c, PetscInt64 unknown)
+static void PrintMost(const MpmStepper *s, MpmCertificate c, PetscInt64 unknown)
 {
   const PetscReal *at;
-  char             place[96];
   PetscInt         f = 0;
 
-  PetscFunctionBegin;
-  if (unknown == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  if (unknown == MPM_NONE) return;
   while (f + 1 < s->nfields && s->fields[f + 1].first <= unknown % s->width) f++;
   MpmPrint("%s fails most at %s of particle %" PetscInt64_FMT, MpmCertificateNames[c], s->fields[f].name,
            unknown / s->width);
   at = MpmStepperPlace(s, unknown / s->width);
-  if (at) {
-    PetscCall(MpmReportVector(s->dim, at, 6, sizeof place, place));
-    MpmPrint(", which is at %s", place);
-  }
+  if (at) MpmPrint(", which is at %s", MpmVectorText(s->dim, at, 6, MPM_VECTOR_ROOM));
   MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Names the numbers of particles that are set apart, field by field. */
-PetscErrorCode MpmReportApart(const MpmProgram *p)
+void MpmReportApart(const MpmProgram *p)
 {
   const MpmStepper *s       = p->stepper;
   const char       *between = "";
 
-  PetscFunctionBegin;
   for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++)
-    if (MpmCertificateFails(&p->certificates, c)) PetscCall(PrintMost(s, c, p->certificates.most[c]));
-  if (p->unread.n == s->width) PetscFunctionReturn(PETSC_SUCCESS);
+    if (MpmCertificateFails(&p->certificates, c)) PrintMost(s, c, p->certificates.most[c]);
+  if (p->unread.n == s->width) return;
   MpmPrint("set apart, since nothing reads them back (they hold the eigenvalue %.6g): ", (double)p->unread.factor);
   for (PetscInt f = 0; f < s->nfields; f++) {
     PetscInt apart = 0;
@@ -100,7 +86,6 @@ PetscErrorCode MpmReportApart(const MpmProgram *p)
     between = ", ";
   }
   MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 json_t *MpmJsonProgram(const MpmProgram *p)
@@ -125,23 +110,16 @@ json_t *MpmJsonProgram(const MpmProgram *p)
   return object;
 }
 
-PetscErrorCode MpmReportCarriers(const MpmCarriers *c)
+void MpmReportCarriers(const MpmCarriers *c)
 {
-  char place[96];
-
-  PetscFunctionBegin;
-  if (!c->n) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!c->n) return;
   MpmPrint("its mode: %" PetscInt64_FMT " of %" PetscInt64_FMT " particles carry 90%% of it;", c->most, c->all);
   for (PetscInt i = 0; i < c->n; i++) {
     MpmPrint("%s particle %" PetscInt64_FMT, i ? "," : "", c->particle[i]);
-    if (c->dim) {
-      PetscCall(MpmReportVector(c->dim, c->place[i], 6, sizeof place, place));
-      MpmPrint(" at %s", place);
-    }
+    if (c->dim) MpmPrint(" at %s", MpmVectorText(c->dim, c->place[i], 6, MPM_VECTOR_ROOM));
     MpmPrint(" %.3g%%", (double)(100 * c->share[i]));
   }
   MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 json_t *MpmJsonCarriers(const MpmCarriers *c)
@@ -149,12 +127,8 @@ json_t *MpmJsonCarriers(const MpmCarriers *c)
   json_t *list = json_array();
 
   for (PetscInt i = 0; i < c->n; i++) {
-    json_t *one   = json_pack("{s:I, s:f}", "particle", (json_int_t)c->particle[i], "share", c->share[i]);
-    json_t *place = json_array();
-
-    for (PetscInt a = 0; a < c->dim; a++) json_array_append_new(place, json_real(c->place[i][a]));
-    json_object_set_new(one, "place", place);
-    json_array_append_new(list, one);
+    json_array_append_new(list, json_pack("{s:I, s:f, s:o}", "particle", (json_int_t)c->particle[i], "share",
+                                          c->share[i], "place", MpmJsonNumbers(c->dim, c->place[i])));
   }
   return list;
 }

@@ -9,6 +9,11 @@
 
 #define WORTH_SAYING 1e-6 /* least difference in abs(G) that is printed */
 
+static PetscMPIInt Ranks(void)
+{
+  return MpmRanksOf(PETSC_COMM_WORLD);
+}
+
 /* Returns whether a map varies the option, so that the scene's own number does not count. */
 static PetscBool IsVaried(const MpmRequest *request, const char name[])
 {
@@ -31,7 +36,7 @@ static PetscErrorCode PrintFields(const MpmScene *scene, const MpmRequest *reque
       MpmPrint("%s", text);
       break;
     }
-    PetscCall(PetscStrncpy(name, open + 1, (size_t)(close - open)));
+    (void)snprintf(name, (size_t)(close - open), "%s", open + 1);
     PetscCall(MpmValueOf(name, scene, request, &value));
     PetscCall(MpmValueHeading(&value, sizeof number, number));
     MpmPrint("%.*s%s", (int)(open - text), text, IsVaried(request, name) ? "varied" : number);
@@ -119,7 +124,6 @@ static PetscErrorCode PrintStep(const MpmScene *s, const MpmRequest *request)
 {
   const PetscBool both = MpmSceneIsPhysical(s) && !IsVaried(request, "courant") ? PETSC_TRUE : PETSC_FALSE;
   PetscReal       velocity[MPM_MAX_DIM];
-  char            text[96];
 
   PetscFunctionBegin;
   if (s->safety > 0)
@@ -135,12 +139,19 @@ static PetscErrorCode PrintStep(const MpmScene *s, const MpmRequest *request)
       IsVaried(request, "drift_angle"))
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < s->layout.dim; a++) velocity[a] = s->step.drift[a].value * s->cell_width / s->dt;
-  PetscCall(MpmReportVector(s->layout.dim, velocity, 6, sizeof text, text));
-  MpmPrint("velocity %s, ", text);
+  MpmPrint("velocity %s, ", MpmVectorText(s->layout.dim, velocity, 6, MPM_VECTOR_ROOM));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, PetscMPIInt ranks)
+/* The end of a task's first line. */
+static void PrintRanks(const char before[])
+{
+  const PetscMPIInt ranks = Ranks();
+
+  MpmPrint("%s%d rank%s\n", before, ranks, ranks == 1 ? "" : "s");
+}
+
+PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request)
 {
   PetscFunctionBegin;
   MpmPrint("mpmstab %s %s: ", MPMSTAB_VERSION, request->task);
@@ -148,7 +159,7 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, Pets
   for (const char *const *reads = s->scheme.formulation->options; *reads; reads++) {
     char text[64];
 
-    PetscCall(PetscSNPrintf(text, sizeof text, ", %s {%s}", *reads, *reads));
+    (void)snprintf(text, sizeof text, ", %s {%s}", *reads, *reads);
     PetscCall(PrintFields(s, request, text));
   }
   PetscCall(PrintFields(s, request, ", {basis} basis, {transfer} transfer"));
@@ -157,80 +168,67 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request, Pets
   PetscCall(PrintFields(
       s, request, ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "));
   PetscCall(PrintStep(s, request));
-  MpmPrint("%d rank%s\n", ranks, ranks == 1 ? "" : "s");
+  PrintRanks("");
   PetscCall(PrintScheme(s, request));
   PetscCall(MpmReportUnits(s, request));
   PetscCall(PrintDifferences(s, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportFile(const MpmRequest *request, const char what[], PetscMPIInt ranks)
+void MpmReportFile(const MpmRequest *request, const char what[])
 {
-  PetscFunctionBegin;
-  MpmPrint("mpmstab %s %s: %s of %s, %d rank%s\n", MPMSTAB_VERSION, request->task, what, MpmRequestSource(request),
-           ranks, ranks == 1 ? "" : "s");
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmPrint("mpmstab %s %s: %s of %s", MPMSTAB_VERSION, request->task, what, MpmRequestSource(request));
+  PrintRanks(", ");
 }
 
-PetscErrorCode MpmReportGrowth(const char name[], PetscReal growth, const char text[])
+void MpmReportGrowth(const char name[], PetscReal growth, const char text[])
 {
-  PetscFunctionBegin;
   if (isnan(growth))
     MpmPrint("  %-11s %-13s %s\n", name, "-", text);
   else if (isinf(growth))
     MpmPrint("  %-11s %-13s %s\n", name, "off range", text);
   else
     MpmPrint("  %-11s %-13.9g %s\n", name, growth, text);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportVector(PetscInt n, const PetscReal values[], int digits, size_t room, char text[])
+const char *MpmVectorText(PetscInt n, const PetscReal values[], int digits, char text[MPM_VECTOR_TEXT])
 {
-  PetscFunctionBegin;
-  text[0] = 0;
-  for (PetscInt a = 0; a < n; a++) {
-    char part[32];
+  int used = 0;
 
-    PetscCall(PetscSNPrintf(part, sizeof part, "%s%.*g", a ? ", " : n > 1 ? "(" : "", digits, values[a]));
-    PetscCall(MpmTextJoin(text, part, room));
-  }
-  if (n > 1) PetscCall(MpmTextJoin(text, ")", room));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < n; a++)
+    used += snprintf(text + used, (size_t)(MPM_VECTOR_TEXT - used), "%s%.*g%s",
+                     a       ? ", "
+                     : n > 1 ? "("
+                             : "",
+                     digits, values[a], n > 1 && a == n - 1 ? ")" : "");
+  return text;
 }
 
-PetscErrorCode MpmReportCounts(PetscInt n, const PetscInt counts[], size_t room, char text[])
+const char *MpmCountsText(PetscInt n, const PetscInt counts[], char text[MPM_VECTOR_TEXT])
 {
-  PetscFunctionBegin;
-  text[0] = 0;
-  for (PetscInt a = 0; a < n; a++) {
-    char part[32];
+  int used = 0;
 
-    PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? " x " : "", counts[a]));
-    PetscCall(MpmTextJoin(text, part, room));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < n; a++)
+    used += snprintf(text + used, (size_t)(MPM_VECTOR_TEXT - used), "%s%" PetscInt_FMT, a ? " x " : "", counts[a]);
+  return text;
 }
 
-PetscErrorCode MpmReportPredictions(const MpmPredictor *p, const MpmPredictions *predictions)
+void MpmReportPredictions(const MpmPredictor *p, const MpmPredictions *predictions)
 {
   const MpmFormulation *f    = p->scheme->formulation;
   const char           *text = f->published_text;
 
-  PetscFunctionBegin;
   if (isnan(predictions->published))
     text = p->why_not_published ? p->why_not_published : "the slides give no formula for this Courant number";
-  PetscCall(MpmReportGrowth("published", predictions->published, text));
-  PetscCall(MpmReportGrowth("corrected", predictions->corrected,
-                            p->why_not_corrected ? p->why_not_corrected : MpmPredictionText(p->scheme)));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmReportGrowth("published", predictions->published, text);
+  MpmReportGrowth("corrected", predictions->corrected,
+                  p->why_not_corrected ? p->why_not_corrected : MpmPredictionText(p->scheme));
 }
 
-PetscErrorCode MpmReportComparison(const MpmPredictor *p, const MpmComparison *c)
+void MpmReportComparison(const MpmPredictor *p, const MpmComparison *c)
 {
   const MpmFormulation *f = p->scheme->formulation;
-  char                  beta[96];
 
-  PetscFunctionBegin;
   if (c->published > WORTH_SAYING) {
     MpmPrint("the published abs(G) is off by up to %.3g, at beta = %.4g:\n  %s\n", c->published, c->published_beta,
              f->published_slip);
@@ -238,17 +236,15 @@ PetscErrorCode MpmReportComparison(const MpmPredictor *p, const MpmComparison *c
       MpmPrint("  and it takes the particles for centred, where here C1 - C2 = %.3g\n", p->e);
   } else if (!isnan(c->published))
     MpmPrint("the published abs(G) is the symbol's at every phase\n");
-  PetscCall(MpmReportVector(p->layout->dim, c->corrected_beta, 4, sizeof beta, beta));
   if (isfinite(c->corrected) && c->corrected > WORTH_SAYING)
-    MpmPrint("the corrected abs(G) is off by up to %.3g, at beta = %s\n", c->corrected, beta);
+    MpmPrint("the corrected abs(G) is off by up to %.3g, at beta = %s\n", c->corrected,
+             MpmVectorText(p->layout->dim, c->corrected_beta, 4, MPM_VECTOR_ROOM));
   else if (isfinite(c->corrected))
     MpmPrint("the corrected abs(G) is within %.1e of the symbol's at every phase\n", c->corrected);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
+void MpmReportFinding(const MpmFinding *f, PetscReal condition)
 {
-  PetscFunctionBegin;
   MpmPrint("\nverdict: %s", MpmVerdictNames[f->verdict]);
   if (isinf(f->growth))
     MpmPrint(", growth is beyond the range of doubles");
@@ -264,7 +260,6 @@ PetscErrorCode MpmReportFinding(const MpmFinding *f, PetscReal condition)
   else if (f->verdict == MPM_UNDECIDED && f->growth <= 1 + f->tolerance && f->defective_error > f->tolerance)
     MpmPrint("; rounding may hide growth of %.1g per step", f->defective_error);
   MpmPrint("\nevidence: %s\n", f->evidence);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static json_t *CountsArray(const MpmScene *s)
@@ -305,24 +300,28 @@ static json_t *ValueJson(const MpmScene *s, const MpmValue *value)
   return list;
 }
 
-/* Sets the value of a field. A key 'object.key' is inside an object, which the first of its keys creates. */
-static void SetValue(json_t *object, const MpmScene *s, const MpmValue *value)
+/* Sets a value. A key 'object.key' is inside an object, which the first of its keys creates. */
+static void Put(json_t *object, const char key[], json_t *value)
 {
-  const char *key = value->field->json ? value->field->json : value->field->name, *dot = strchr(key, '.');
-  char        outer[32];
+  for (const char *dot = strchr(key, '.'); dot; dot = strchr(key, '.')) {
+    char outer[32];
 
-  if (dot) {
     (void)snprintf(outer, sizeof outer, "%.*s", (int)(dot - key), key);
     if (!json_object_get(object, outer)) json_object_set_new(object, outer, json_object());
     object = json_object_get(object, outer);
     key    = dot + 1;
   }
-  json_object_set_new(object, key, ValueJson(s, value));
+  json_object_set_new(object, key, value);
+}
+
+static void SetValue(json_t *object, const MpmScene *s, const MpmValue *value)
+{
+  Put(object, value->field->json ? value->field->json : value->field->name, ValueJson(s, value));
 }
 
 /* Fields that only some scenes show come last. */
-static PetscErrorCode Head(const MpmScene *s, const MpmRequest *request, const char task[], PetscMPIInt ranks,
-                           PetscReal wall_s, json_t **object)
+static PetscErrorCode Head(const MpmScene *s, const MpmRequest *request, const char task[], PetscReal wall_s,
+                           json_t **object)
 {
   MpmValue values[MPM_MAX_VALUES];
   PetscInt n;
@@ -332,31 +331,56 @@ static PetscErrorCode Head(const MpmScene *s, const MpmRequest *request, const c
   PetscCall(MpmValuesIn(MPM_IN_JSON, s, request, &n, values));
   for (PetscInt i = 0; i < n; i++)
     if (!values[i].field->shown) SetValue(*object, s, &values[i]);
-  json_object_set_new(*object, "ranks", json_integer(ranks));
+  json_object_set_new(*object, "ranks", json_integer(Ranks()));
   json_object_set_new(*object, "wall_s", json_real(wall_s));
   for (PetscInt i = 0; i < n; i++)
     if (values[i].field->shown) SetValue(*object, s, &values[i]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmJsonScene(const MpmScene *s, const char task[], PetscMPIInt ranks, PetscReal wall_s, json_t **object)
+PetscErrorCode MpmJsonScene(const MpmScene *s, const char task[], PetscReal wall_s, json_t **object)
 {
   PetscFunctionBegin;
-  PetscCall(Head(s, NULL, task, ranks, wall_s, object));
+  PetscCall(Head(s, NULL, task, wall_s, object));
   if (!HasOneStep(s, task)) json_object_del(*object, "courant"); /* the default, of which nothing is said */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscMPIInt ranks, PetscReal wall_s, json_t **object)
+PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscReal wall_s, json_t **object)
 {
-  PetscFunctionBegin;
-  PetscCall(Head(NULL, request, request->task, ranks, wall_s, object));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return Head(NULL, request, request->task, wall_s, object);
 }
 
 void MpmJsonSet(json_t *object, const char key[], PetscReal value)
 {
-  if (isfinite(value)) json_object_set_new(object, key, json_real(value));
+  if (isfinite(value)) Put(object, key, json_real(value));
+}
+
+void MpmJsonSetCount(json_t *object, const char key[], PetscInt64 value)
+{
+  Put(object, key, json_integer((json_int_t)value));
+}
+
+void MpmJsonSetText(json_t *object, const char key[], const char text[])
+{
+  Put(object, key, json_string(text));
+}
+
+json_t *MpmJsonNumbers(PetscInt n, const PetscReal values[])
+{
+  json_t *array = json_array();
+
+  for (PetscInt i = 0; i < n; i++)
+    json_array_append_new(array, isfinite(values[i]) ? json_real(values[i]) : json_null());
+  return array;
+}
+
+void MpmJsonSetVector(json_t *object, const char key[], PetscInt n, const PetscReal values[])
+{
+  json_t *array = n == 1 ? NULL : json_array();
+
+  for (PetscInt a = 0; a < n && array; a++) json_array_append_new(array, json_real(values[a]));
+  Put(object, key, array ? array : json_real(values[0]));
 }
 
 void MpmJsonSetPrediction(json_t *object, const char key[], PetscReal growth)
@@ -379,16 +403,16 @@ void MpmJsonSetWindows(json_t *object, const MpmCriticalWindows *windows)
     json_array_append_new(all, json_pack("[f, f, f]", w->from, w->to, w->growth));
   }
   json_object_set_new(object, "windows", all);
-  json_object_set_new(object, "looked_at", json_integer(windows->looked));
+  MpmJsonSetCount(object, "looked_at", windows->looked);
 }
 
 void MpmJsonSetFinding(json_t *object, const MpmFinding *f)
 {
-  json_object_set_new(object, "verdict", json_string(MpmVerdictNames[f->verdict]));
+  MpmJsonSetText(object, "verdict", MpmVerdictNames[f->verdict]);
   MpmJsonSet(object, "growth", f->growth);
   MpmJsonSet(object, "tolerance", f->tolerance);
   MpmJsonSet(object, "uncertainty", f->uncertainty);
-  json_object_set_new(object, "evidence", json_string(f->evidence));
+  MpmJsonSetText(object, "evidence", f->evidence);
 }
 
 json_t *MpmJsonPredicted(const MpmPredictions *predictions, const MpmComparison *comparison, PetscReal symbol)
@@ -407,18 +431,14 @@ json_t *MpmJsonPredicted(const MpmPredictions *predictions, const MpmComparison 
 json_t *MpmJsonSymbol(const MpmSymbol *symbol)
 {
   const PetscInt dim    = symbol->dim;
-  json_t        *object = json_object(), *phases = json_array(), *beta = json_array();
+  json_t        *object = json_object(), *phases = json_array();
 
-  for (PetscInt a = 0; a < dim; a++) {
-    json_array_append_new(phases, json_integer(symbol->phases[a]));
-    json_array_append_new(beta, json_real(symbol->beta_at_max[a]));
-  }
+  for (PetscInt a = 0; a < dim; a++) json_array_append_new(phases, json_integer(symbol->phases[a]));
   json_object_set(object, "phases", dim == 1 ? json_array_get(phases, 0) : phases);
   MpmJsonSet(object, "growth", symbol->growth);
-  json_object_set(object, "beta_at_max", dim == 1 ? json_array_get(beta, 0) : beta);
+  MpmJsonSetVector(object, "beta_at_max", dim, symbol->beta_at_max);
   MpmJsonSet(object, "seconds", symbol->seconds);
   json_decref(phases);
-  json_decref(beta);
   return object;
 }
 

@@ -3,76 +3,62 @@
 #include "report/results.h"
 #include <math.h>
 
-static PetscErrorCode PrintSymbol(const MpmSpectrum *s)
-{
-  char text[256], beta[96], phases[64];
-
-  PetscFunctionBegin;
-  if (!s->symbol) {
-    PetscCall(PetscSNPrintf(text, sizeof text, "none: %s", MpmSymbolWhyNot(&s->scene->layout)));
-    PetscCall(MpmReportGrowth("symbol", NAN, text));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(MpmReportVector(s->symbol->dim, s->symbol->beta_at_max, 4, sizeof beta, beta));
-  PetscCall(MpmReportCounts(s->symbol->dim, s->symbol->phases, sizeof phases, phases));
-  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s of %s phases", beta, phases));
-  PetscCall(MpmReportGrowth("symbol", s->symbol->growth, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode PrintSpectrum(const MpmSpectrum *s)
+static void PrintSymbol(const MpmSpectrum *s)
 {
   char text[256];
 
-  PetscFunctionBegin;
-  if (s->eigen->n)
-    PetscCall(PetscSNPrintf(text, sizeof text, "%" PetscInt_FMT " of %" PetscInt_FMT " eigenvalues, residual %.1e",
-                            s->eigen->n, s->op->order, s->max_residual));
-  else
-    PetscCall(PetscStrncpy(text,
-                           isfinite(s->eigen->norm) ? "no eigenvalue converged"
-                                                    : "the operator's numbers leave the range of doubles",
-                           sizeof text));
-  PetscCall(MpmReportGrowth("spectrum", s->growth, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (!s->symbol) {
+    (void)snprintf(text, sizeof text, "none: %s", MpmSymbolWhyNot(&s->scene->layout));
+    MpmReportGrowth("symbol", NAN, text);
+    return;
+  }
+  (void)snprintf(text, sizeof text, "at beta = %s of %s phases",
+                 MpmVectorText(s->symbol->dim, s->symbol->beta_at_max, 4, MPM_VECTOR_ROOM),
+                 MpmCountsText(s->symbol->dim, s->symbol->phases, MPM_VECTOR_ROOM));
+  MpmReportGrowth("symbol", s->symbol->growth, text);
 }
 
-static PetscErrorCode PrintMeasured(const MpmSpectrum *s)
+static void PrintSpectrum(const MpmSpectrum *s)
+{
+  char text[256];
+
+  if (s->eigen->n)
+    (void)snprintf(text, sizeof text, "%" PetscInt_FMT " of %" PetscInt_FMT " eigenvalues, residual %.1e", s->eigen->n,
+                   s->op->order, s->max_residual);
+  else
+    (void)snprintf(text, sizeof text, "%s",
+                   isfinite(s->eigen->norm) ? "no eigenvalue converged"
+                                            : "the operator's numbers leave the range of doubles");
+  MpmReportGrowth("spectrum", s->growth, text);
+}
+
+static void PrintMeasured(const MpmSpectrum *s)
 {
   const MpmGrowth *growth = s->run ? &s->run->growth : NULL;
   char             text[256];
 
-  PetscFunctionBegin;
   if (growth && growth->measured)
-    PetscCall(PetscSNPrintf(text, sizeof text, "%s, from random data, steps %" PetscInt64_FMT " to %" PetscInt64_FMT,
-                            MpmGrowthKindNames[growth->kind], growth->from, growth->to));
+    (void)snprintf(text, sizeof text, "%s, from random data, steps %" PetscInt64_FMT " to %" PetscInt64_FMT,
+                   MpmGrowthKindNames[growth->kind], growth->from, growth->to);
   else
-    PetscCall(PetscStrncpy(text,
-                           growth                ? "nothing left to measure"
-                           : s->request->measure ? "not run: that would take too long here; try 'mpmstab run'"
-                                                 : "not asked for",
-                           sizeof text));
-  PetscCall(MpmReportGrowth("measured", growth && growth->measured ? growth->per_step : NAN, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    (void)snprintf(text, sizeof text, "%s",
+                   growth                ? "nothing left to measure"
+                   : s->request->measure ? "not run: that would take too long here; try 'mpmstab run'"
+                                         : "not asked for");
+  MpmReportGrowth("measured", growth && growth->measured ? growth->per_step : NAN, text);
 }
 
 /* Says what wave the leading mode is. */
-static PetscErrorCode PrintLeading(const MpmModes *modes)
+static void PrintLeading(const MpmModes *modes)
 {
-  char beta[96];
-
-  PetscFunctionBegin;
-  if (!modes->n || isnan(modes->beta[0])) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmReportVector(modes->dim, modes->beta, 4, sizeof beta, beta));
-  MpmPrint("first mode listed: beta = %s", beta);
+  if (!modes->n || isnan(modes->beta[0])) return;
+  MpmPrint("first mode listed: beta = %s", MpmVectorText(modes->dim, modes->beta, 4, MPM_VECTOR_ROOM));
   if (!isnan(modes->p_share[0])) MpmPrint(", P share %.3g", modes->p_share[0]);
   MpmPrint(", share that no node sees %.2g\n", modes->null_share[0]);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintOperator(const MpmSpectrum *s)
+static void PrintOperator(const MpmSpectrum *s)
 {
-  PetscFunctionBegin;
   MpmPrint("\noperator: order %" PetscInt_FMT, s->op->order);
   if (isnan(s->op->nonzeros))
     MpmPrint(", known by its products");
@@ -94,7 +80,7 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
   if (s->symbol && s->eigen->n && isfinite(s->symbol_mismatch))
     MpmPrint("eigenvalues: within %.1e of the symbol's set%s\n", s->symbol_mismatch / PetscMax(1, s->radius),
              s->radius > 1 ? ", relative to the largest" : "");
-  PetscCall(PrintLeading(&s->leading));
+  PrintLeading(&s->leading);
   if (s->at_one != MPM_UNCOUNTED) {
     MpmPrint("eigenvalues at 1: %" PetscInt_FMT, s->at_one);
     if (s->nullity != MPM_UNCOUNTED)
@@ -102,51 +88,44 @@ static PetscErrorCode PrintOperator(const MpmSpectrum *s)
                s->nullity);
     MpmPrint("\n");
   }
-  if (s->scene) PetscCall(MpmReportComparison(&s->predictor, &s->comparison));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->scene) MpmReportComparison(&s->predictor, &s->comparison);
 }
 
-static PetscErrorCode PrintCost(const MpmSpectrum *s)
+static void PrintCost(const MpmSpectrum *s)
 {
-  PetscFunctionBegin;
   MpmPrint("time: %.3g s to %s, %.3g s to solve, %.3g s in all\n", s->op->assemble_s, s->scene ? "assemble" : "balance",
            s->eigen->solve_s, s->wall_s);
   MpmPrint("memory: %.4g MB for the task, %.4g bytes an unknown", 1e-6 * s->memory, s->memory / s->op->order);
   if (!isnan(s->op->bytes)) MpmPrint(", of them %.3g for A", s->op->bytes / s->op->order);
   MpmPrint("\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintBulk(const MpmSpectrum *s)
+static void PrintBulk(const MpmSpectrum *s)
 {
-  PetscFunctionBegin;
   MpmPrint("\ngrowth per step\n");
-  if (s->scene) PetscCall(MpmReportPredictions(&s->predictor, &s->predictions));
-  if (s->scene) PetscCall(PrintSymbol(s));
-  PetscCall(PrintSpectrum(s));
-  if (s->scene) PetscCall(PrintMeasured(s));
-  PetscCall(PrintOperator(s));
-  PetscCall(MpmTransientPrint(s));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (s->scene) MpmReportPredictions(&s->predictor, &s->predictions);
+  if (s->scene) PrintSymbol(s);
+  PrintSpectrum(s);
+  if (s->scene) PrintMeasured(s);
+  PrintOperator(s);
+  MpmTransientPrint(s);
 }
 
 PetscErrorCode MpmSpectrumPrint(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,
                                 const MpmNeighbourhoods *all)
 {
-  PetscMPIInt ranks;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   if (scene)
-    PetscCall(MpmReportScene(scene, request, ranks));
+    PetscCall(MpmReportScene(scene, request));
   else if (!MpmRequestProbes(request)) /* whose heading is printed before it is probed */
-    PetscCall(MpmReportFile(request, "the matrix", ranks));
-  if (s && s->certificates) PetscCall(MpmReportCertificates(s->certificates));
-  if (s) PetscCall(PrintBulk(s));
+    MpmReportFile(request, "the matrix");
+  if (s && s->certificates) MpmReportCertificates(s->certificates);
+  if (s) PrintBulk(s);
   if (all)
-    PetscCall(MpmNeighbourhoodsPrint(scene, request, PETSC_FALSE, all));
+    MpmNeighbourhoodsPrint(scene, request, PETSC_FALSE, all);
   else
-    PetscCall(MpmReportFinding(&s->finding, s->condition));
-  if (s) PetscCall(PrintCost(s));
+    MpmReportFinding(&s->finding, s->condition);
+  if (s) PrintCost(s);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,26 +7,26 @@ static json_t *Operator(const MpmSpectrum *s)
 {
   json_t *object = json_object();
 
-  json_object_set_new(object, "unknowns", json_integer(s->op->order));
-  if (!isnan(s->op->nonzeros)) json_object_set_new(object, "nonzeros", json_integer((json_int_t)s->op->nonzeros));
-  json_object_set_new(object, "period_steps", json_integer(s->op->period));
+  MpmJsonSetCount(object, "unknowns", s->op->order);
+  if (!isnan(s->op->nonzeros)) MpmJsonSetCount(object, "nonzeros", (json_int_t)s->op->nonzeros);
+  MpmJsonSetCount(object, "period_steps", s->op->period);
   if (s->scene) MpmJsonSet(object, "assemble_s", s->op->assemble_s);
   MpmJsonSet(object, "solve_s", s->eigen->solve_s);
-  json_object_set_new(object, "solver", json_string(s->eigen->solver));
+  MpmJsonSetText(object, "solver", s->eigen->solver);
   if (s->eigen->small) {
-    json_object_set_new(object, "nodal_unknowns", json_integer(s->eigen->small->order));
+    MpmJsonSetCount(object, "nodal_unknowns", s->eigen->small->order);
     MpmJsonSet(object, "nodal_mismatch", s->nodal->mismatch);
   }
   json_object_set_new(object, "converged", json_boolean(s->eigen->converged));
-  json_object_set_new(object, "listed", json_integer(s->eigen->n));
+  MpmJsonSetCount(object, "listed", s->eigen->n);
   MpmJsonSet(object, "spectral_radius", s->radius);
   MpmJsonSet(object, "growth", s->growth);
   MpmJsonSet(object, "max_residual", s->max_residual);
   MpmJsonSet(object, "step_mismatch", s->step_mismatch);
   MpmJsonSet(object, "symbol_mismatch", s->symbol_mismatch);
   MpmJsonSet(object, "condition", s->condition);
-  if (s->at_one != MPM_UNCOUNTED) json_object_set_new(object, "at_one", json_integer(s->at_one));
-  if (s->nullity != MPM_UNCOUNTED) json_object_set_new(object, "unseen", json_integer(s->nullity));
+  if (s->at_one != MPM_UNCOUNTED) MpmJsonSetCount(object, "at_one", s->at_one);
+  if (s->nullity != MPM_UNCOUNTED) MpmJsonSetCount(object, "unseen", s->nullity);
   MpmJsonSet(object, "memory_bytes", s->memory);
   return object;
 }
@@ -38,13 +38,12 @@ static json_t *Modes(const MpmSpectrum *s)
   json_t         *list  = json_array();
 
   for (PetscInt j = 0; j < modes->n; j++) {
-    json_t *mode = json_object(), *beta = json_array();
+    const PetscReal *beta = &modes->beta[modes->dim * j];
+    json_t          *mode = json_object();
 
     MpmJsonSet(mode, "re", scalbn(s->eigen->re[j], (int)s->op->exponent));
     MpmJsonSet(mode, "im", scalbn(s->eigen->im[j], (int)s->op->exponent));
-    for (PetscInt a = 0; a < modes->dim && !isnan(modes->beta[modes->dim * j]); a++)
-      json_array_append_new(beta, json_real(modes->beta[modes->dim * j + a]));
-    json_object_set_new(mode, "beta", beta);
+    json_object_set_new(mode, "beta", MpmJsonNumbers(modes->dim && !isnan(beta[0]) ? modes->dim : 0, beta));
     MpmJsonSet(mode, "p_share", modes->p_share[j]);
     MpmJsonSet(mode, "null_share", modes->null_share[j]);
     json_array_append_new(list, mode);
@@ -53,42 +52,34 @@ static json_t *Modes(const MpmSpectrum *s)
 }
 
 /* What was found of the bulk. */
-static PetscErrorCode SetBulk(json_t *object, const MpmSpectrum *s)
+static void SetBulk(json_t *object, const MpmSpectrum *s)
 {
-  json_t *run;
-
-  PetscFunctionBegin;
   if (s->scene)
     json_object_set_new(object, "predicted",
                         MpmJsonPredicted(&s->predictions, &s->comparison, s->symbol ? s->symbol->growth : NAN));
   json_object_set_new(object, "spectrum", Operator(s));
   if (s->symbol) json_object_set_new(object, "symbol", MpmJsonSymbol(s->symbol));
   if (s->run && s->run->growth.measured) {
-    run = json_object();
-    json_object_set_new(run, "steps", json_integer(s->run->steps));
-    MpmJsonSet(run, "growth_measured", s->run->growth.per_step);
-    json_object_set_new(run, "growth_kind", json_string(MpmGrowthKindNames[s->run->growth.kind]));
-    json_object_set_new(object, "run", run);
+    MpmJsonSetCount(object, "run.steps", s->run->steps);
+    MpmJsonSet(object, "run.growth_measured", s->run->growth.per_step);
+    MpmJsonSetText(object, "run.growth_kind", MpmGrowthKindNames[s->run->growth.kind]);
   }
   if (s->certificates) json_object_set_new(object, "certificates", MpmJsonCertificates(s->certificates));
   if (s->certificates) json_object_set_new(object, "scales", MpmJsonScales(s->certificates));
   if (s->leading.n) json_object_set_new(object, "modes", Modes(s));
   MpmTransientJson(s, object);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSpectrumWriteJson(const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,
                                     const MpmNeighbourhoods *all, PetscReal wall_s, json_t *more)
 {
-  PetscMPIInt ranks;
-  json_t     *object, *spectrum;
+  json_t *object, *spectrum;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(scene ? MpmJsonScene(scene, "spectrum", ranks, all ? wall_s : s->wall_s, &object)
-                  : MpmJsonFile(request, ranks, s->wall_s, &object));
+  PetscCall(scene ? MpmJsonScene(scene, "spectrum", all ? wall_s : s->wall_s, &object)
+                  : MpmJsonFile(request, s->wall_s, &object));
   MpmJsonSetFinding(object, all ? &all->finding : &s->finding);
-  if (s) PetscCall(SetBulk(object, s));
+  if (s) SetBulk(object, s);
   if (all) {
     if (!s) json_object_set_new(object, "spectrum", json_object());
     spectrum = json_object_get(object, "spectrum");

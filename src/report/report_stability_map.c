@@ -19,12 +19,11 @@ static char Letter(const MpmStabilityMap *map, PetscInt point)
 }
 
 /* The first axis points up, the second to the right. */
-static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
+static void PrintPicture(const MpmStabilityMap *map)
 {
   const PetscInt rows = map->points[0], columns = map->points[1];
   const PetscInt down = (rows - 1) / MOST_ROWS + 1, right = (columns - 1) / MOST_COLUMNS + 1;
 
-  PetscFunctionBegin;
   MpmPrint("\n%s\n", map->request->axes[0].name);
   for (PetscInt i = (rows - 1) / down * down; i >= 0; i -= down) {
     char     line[MOST_COLUMNS + 1];
@@ -36,26 +35,22 @@ static PetscErrorCode PrintPicture(const MpmStabilityMap *map)
   }
   MpmPrint("%8s  %s %.6g to %.6g\n", "", map->request->axes[1].name, map->at[1][0], map->at[1][columns - 1]);
   MpmPrint(". stable   growth - 1 per step: - below 0.001, + below 0.01, x below 0.1, # beyond   ? undecided\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The code, and its certificates at the point that grows fastest. */
-static PetscErrorCode PrintProgram(const MpmStabilityMap *map, PetscMPIInt ranks)
+static void PrintProgram(const MpmStabilityMap *map)
 {
-  PetscFunctionBegin;
-  PetscCall(MpmReportProgram(map->program, ranks));
+  MpmReportProgram(map->program);
   MpmPrint("at each of the points; certificates are of the one that grows fastest\n");
-  PetscCall(MpmReportCertificates(&map->program->certificates));
-  PetscCall(MpmReportApart(map->program));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmReportCertificates(&map->program->certificates);
+  MpmReportApart(map->program);
 }
 
 /* How many points a certificate fails at, and one of them. */
-static PetscErrorCode PrintFaults(const MpmStabilityMap *map)
+static void PrintFaults(const MpmStabilityMap *map)
 {
   const MpmAxis *axes = map->request->axes;
 
-  PetscFunctionBegin;
   for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
     PetscInt count = 0, first = 0;
 
@@ -69,7 +64,6 @@ static PetscErrorCode PrintFaults(const MpmStabilityMap *map)
                axes[0].name, map->at[0][first / map->points[1]], axes[1].name, map->at[1][first % map->points[1]],
                MpmCertificateFaults[c]);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
@@ -77,20 +71,18 @@ PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
   const MpmAxis    *axes = map->request->axes;
   const MpmFinding *f    = &map->finding;
   const PetscInt    n    = map->points[0] * map->points[1];
-  PetscMPIInt       ranks;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  if (map->scene) PetscCall(MpmReportScene(map->scene, map->request, ranks));
-  if (map->program) PetscCall(PrintProgram(map, ranks));
-  PetscCall(PrintPicture(map));
+  if (map->scene) PetscCall(MpmReportScene(map->scene, map->request));
+  if (map->program) PrintProgram(map);
+  PrintPicture(map);
   MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT, map->points[0], map->points[1]);
   if (map->waves) MpmPrint(", %" PetscInt64_FMT " phases", MpmStabilityMapPhases(map));
   if (map->scene && !map->request->refine) MpmPrint(" (growth between them is not seen: -refine looks for it)");
   MpmPrint("\n");
   MpmPrint("unstable   %" PetscInt_FMT " (%.4g%%)\nundecided  %" PetscInt_FMT "\n", map->unstable,
            100.0 * map->unstable / n, map->undecided);
-  if (map->program) PetscCall(PrintFaults(map));
+  if (map->program) PrintFaults(map);
   MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, axes[0].name,
            map->at[0][map->worst / map->points[1]], axes[1].name, map->at[1][map->worst % map->points[1]]);
   if (!isnan(map->published_limit))
@@ -101,42 +93,31 @@ PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static json_t *Numbers(PetscInt n, const PetscReal values[])
-{
-  json_t *array = json_array();
-
-  for (PetscInt i = 0; i < n; i++)
-    json_array_append_new(array, isfinite(values[i]) ? json_real(values[i]) : json_null());
-  return array;
-}
-
 PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
 {
   const char *const names[2] = {map->request->axes[0].name, map->request->axes[1].name};
   const int         other    = map->request->axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
   json_t           *object, *part = json_object();
-  PetscMPIInt       ranks;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   if (map->scene) {
     PetscCall(MpmStabilityMapLimits(map));
-    PetscCall(MpmJsonScene(map->scene, "map", ranks, wall_s, &object));
+    PetscCall(MpmJsonScene(map->scene, "map", wall_s, &object));
   } else {
-    PetscCall(MpmJsonFile(map->request, ranks, wall_s, &object));
+    PetscCall(MpmJsonFile(map->request, wall_s, &object));
     json_object_set_new(object, "probing", MpmJsonProgram(map->program));
   }
   MpmJsonSetFinding(object, &map->finding);
   json_object_set_new(part, "axes", json_pack("[s, s]", names[0], names[1]));
   json_object_set_new(part, "shape", json_pack("[I, I]", (json_int_t)map->points[0], (json_int_t)map->points[1]));
-  for (int a = 0; a < 2; a++) json_object_set_new(part, names[a], Numbers(map->points[a], map->at[a]));
-  if (map->waves) json_object_set_new(part, "phases", json_integer(MpmStabilityMapPhases(map)));
+  for (int a = 0; a < 2; a++) json_object_set_new(part, names[a], MpmJsonNumbers(map->points[a], map->at[a]));
+  if (map->waves) MpmJsonSetCount(part, "phases", MpmStabilityMapPhases(map));
   if (map->request->refine) json_object_set_new(part, "refined", json_true());
-  json_object_set_new(part, "unstable", json_integer(map->unstable));
-  json_object_set_new(part, "undecided", json_integer(map->undecided));
+  MpmJsonSetCount(part, "unstable", map->unstable);
+  MpmJsonSetCount(part, "undecided", map->undecided);
   if (map->limits) {
     MpmJsonSetPrediction(part, "published_limit", map->published_limit);
-    json_object_set_new(part, "corrected_limit", Numbers(map->points[other], map->limits));
+    json_object_set_new(part, "corrected_limit", MpmJsonNumbers(map->points[other], map->limits));
   }
   MpmJsonSet(part, "seconds", map->seconds);
   json_object_set_new(object, "map", part);

@@ -9,10 +9,9 @@ static PetscReal Growth(const MpmTangents *t, PetscInt i)
   return exp(t->log_growth[i] / t->steps);
 }
 
-PetscErrorCode MpmTangentsPrint(const MpmTangents *t)
+void MpmTangentsPrint(const MpmTangents *t)
 {
-  PetscFunctionBegin;
-  if (!t || !t->steps) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!t || !t->steps) return;
   MpmPrint("\ntangent: small perturbations beside %" PetscInt64_FMT " steps, in x / h, v / c and F / F0\n", t->steps);
   MpmPrint("  growth per step, each orthogonal to those before it:");
   for (PetscInt i = 0; i < t->exponents; i++) MpmPrint(" %.6g", Growth(t, i));
@@ -31,7 +30,6 @@ PetscErrorCode MpmTangentsPrint(const MpmTangents *t)
     MpmPrint("  least distance of a particle to a place where the weights have no %s: %.3g cells\n",
              t->space.sizes.scheme->basis->hat ? "slope, which perturbations must not reach" : "curvature", t->room);
   MpmPrint("  memory: %.3g MB for the tangents of a window\n", 1e-6 * t->bytes);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmTangentsJson(const MpmTangents *t, json_t *object)
@@ -39,22 +37,22 @@ void MpmTangentsJson(const MpmTangents *t, json_t *object)
   json_t *tangent = json_object(), *growth = json_array(), *windows = json_array();
 
   json_object_set_new(object, "tangent", tangent);
-  json_object_set_new(tangent, "steps", json_integer(t->steps));
-  json_object_set_new(tangent, "window", json_integer(t->window));
+  MpmJsonSetCount(tangent, "steps", t->steps);
+  MpmJsonSetCount(tangent, "window", t->window);
   for (PetscInt i = 0; i < t->exponents && t->steps; i++) json_array_append_new(growth, json_real(Growth(t, i)));
   json_object_set_new(tangent, "growth", growth);
   for (PetscInt w = 0; w < t->nwindows; w++) {
     json_t *window = json_object();
 
-    json_object_set_new(window, "step", json_integer(t->at[w].step));
-    json_object_set_new(window, "steps", json_integer(t->at[w].steps));
+    MpmJsonSetCount(window, "step", t->at[w].step);
+    MpmJsonSetCount(window, "steps", t->at[w].steps);
     MpmJsonSet(window, "growth", t->at[w].norm);
     MpmJsonSet(window, "waves", t->at[w].waves);
     json_array_append_new(windows, window);
   }
   json_object_set_new(tangent, "windows", windows);
-  json_object_set_new(tangent, "warnings", json_integer(t->warned));
-  if (t->warned) json_object_set_new(tangent, "warned_at_step", json_integer(t->first));
+  MpmJsonSetCount(tangent, "warnings", t->warned);
+  if (t->warned) MpmJsonSetCount(tangent, "warned_at_step", t->first);
   MpmJsonSet(tangent, "least_distance", t->room);
   MpmJsonSet(tangent, "bytes", t->bytes);
 }

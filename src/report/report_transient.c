@@ -5,12 +5,11 @@
 
 #define GROWS 0.1 /* a larger fitted power counts as growth */
 
-static PetscErrorCode PrintPowers(const MpmSpectrum *s)
+static void PrintPowers(const MpmSpectrum *s)
 {
   const MpmTransient *t      = s->transient;
   const PetscReal     growth = s->finding.growth, tolerance = s->finding.tolerance;
 
-  PetscFunctionBegin;
   MpmPrint("transient: norm(A^n) for n up to %" PetscInt_FMT ", norm: %s\n", t->steps[t->n - 1],
            MpmOperatorNorm(s->op));
   if (isnan(t->largest))
@@ -22,8 +21,7 @@ static PetscErrorCode PrintPowers(const MpmSpectrum *s)
     MpmPrint("; of norm(A^n) / growth^n %.6g, at n = %" PetscInt_FMT, t->excess, t->excess_at);
   MpmPrint("\n");
   if (t->missing) MpmPrint("  not converged: %" PetscInt_FMT " of %" PetscInt_FMT " norms\n", t->missing, t->n);
-  if (t->missing || s->finding.verdict == MPM_UNDECIDED || !isfinite(t->power) || !isfinite(growth))
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (t->missing || s->finding.verdict == MPM_UNDECIDED || !isfinite(t->power) || !isfinite(growth)) return;
   if (fabs(growth - 1) > tolerance)
     MpmPrint("  late norms go like growth^n%s", t->power > GROWS ? " times a power of n" : "");
   else if (t->power > GROWS)
@@ -31,19 +29,17 @@ static PetscErrorCode PrintPowers(const MpmSpectrum *s)
   else
     MpmPrint("  growth is 1, and norms do not go on growing up to n = %" PetscInt_FMT, t->steps[t->n - 1]);
   MpmPrint(" (fitted: n^%.2f)\n", fabs(t->power) < 0.005 ? 0 : t->power);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
    Prints the Kreiss constant. Under drift it is that of the operator of a period, and does not cover the steps between.
 */
-static PetscErrorCode PrintKreiss(const MpmSpectrum *s)
+static void PrintKreiss(const MpmSpectrum *s)
 {
   const MpmPseudospectrum *p     = s->pseudospectrum;
   const PetscBool          moves = s->op->period > 1 ? PETSC_TRUE : PETSC_FALSE;
   const char              *of = moves ? " of the operator of a period" : "", *when = moves ? " of whole periods" : "";
 
-  PetscFunctionBegin;
   if (isinf(p->kreiss))
     MpmPrint("Kreiss constant%s: infinite, an eigenvalue is outside the unit circle\n", of);
   else if (isnan(creal(p->kreiss_at)))
@@ -61,17 +57,14 @@ static PetscErrorCode PrintKreiss(const MpmSpectrum *s)
       MpmPrint("  norm(A^n)%s reaches that for some n, and if it is K, none is beyond e N K = %.4g\n", when,
                M_E * p->order * p->kreiss);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTransientPrint(const MpmSpectrum *s)
+void MpmTransientPrint(const MpmSpectrum *s)
 {
-  PetscFunctionBegin;
-  if (s->transient) PetscCall(PrintPowers(s));
-  if (s->pseudospectrum) PetscCall(PrintKreiss(s));
+  if (s->transient) PrintPowers(s);
+  if (s->pseudospectrum) PrintKreiss(s);
   if ((s->request->powers && !s->transient) || (s->request->pseudospectrum && !s->pseudospectrum))
     MpmPrint("transient: none, the operator's numbers leave the range of doubles\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* JSON has no number that is not finite, so null stands for it. */
@@ -82,32 +75,25 @@ static json_t *NumberOrNull(PetscReal value)
 
 static json_t *Powers(const MpmTransient *t)
 {
-  json_t *object = json_object(), *steps = json_array(), *norm = json_array();
+  json_t *object = json_object(), *steps = json_array();
 
-  for (PetscInt i = 0; i < t->n; i++) {
-    json_array_append_new(steps, json_integer(t->steps[i]));
-    json_array_append_new(norm, NumberOrNull(t->norm[i]));
-  }
+  for (PetscInt i = 0; i < t->n; i++) json_array_append_new(steps, json_integer(t->steps[i]));
   json_object_set_new(object, "steps", steps);
-  json_object_set_new(object, "norm", norm);
+  json_object_set_new(object, "norm", MpmJsonNumbers(t->n, t->norm));
   json_object_set_new(object, "largest", NumberOrNull(t->largest));
-  json_object_set_new(object, "at_step", json_integer(t->at_step));
+  MpmJsonSetCount(object, "at_step", t->at_step);
   MpmJsonSet(object, "seconds", t->seconds);
   return object;
 }
 
 static json_t *Pseudospectrum(const MpmPseudospectrum *p)
 {
-  const PetscBool at     = isfinite(p->kreiss) && !isnan(creal(p->kreiss_at));
-  json_t         *object = json_object(), *z = at ? json_array() : json_null();
+  const PetscReal z[2]   = {creal(p->kreiss_at), cimag(p->kreiss_at)};
+  json_t         *object = json_object();
 
-  json_object_set_new(object, "points", json_integer(p->points));
+  MpmJsonSetCount(object, "points", p->points);
   json_object_set_new(object, "kreiss", NumberOrNull(p->kreiss));
-  if (at) {
-    json_array_append_new(z, json_real(creal(p->kreiss_at)));
-    json_array_append_new(z, json_real(cimag(p->kreiss_at)));
-  }
-  json_object_set_new(object, "kreiss_at", z);
+  json_object_set_new(object, "kreiss_at", isfinite(p->kreiss) && !isnan(z[0]) ? MpmJsonNumbers(2, z) : json_null());
   MpmJsonSet(object, "seconds", p->seconds);
   return object;
 }

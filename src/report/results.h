@@ -17,8 +17,8 @@ PetscErrorCode MpmRunPrint(const MpmRun *run);
 PetscErrorCode MpmRunWriteJson(const MpmRun *run);
 
 /* Collective. Print the tangent beside a run (NULL: nothing), and add the key 'tangent' to the run's JSON object. */
-PetscErrorCode MpmTangentsPrint(const MpmTangents *tangents);
-void           MpmTangentsJson(const MpmTangents *tangents, json_t *object);
+void MpmTangentsPrint(const MpmTangents *tangents);
+void MpmTangentsJson(const MpmTangents *tangents, json_t *object);
 
 /*
    Collective. Print the table for people, and write the JSON object. spectrum: of the bulk, or NULL. all: of the
@@ -33,8 +33,8 @@ PetscErrorCode MpmSpectrumWriteJson(const MpmScene *scene, const MpmRequest *req
    Collective. Print, and add to the JSON object, norm(A^n) and the pseudospectrum of a spectrum where the request asks
    for them.
 */
-PetscErrorCode MpmTransientPrint(const MpmSpectrum *spectrum);
-void           MpmTransientJson(const MpmSpectrum *spectrum, json_t *object);
+void MpmTransientPrint(const MpmSpectrum *spectrum);
+void MpmTransientJson(const MpmSpectrum *spectrum, json_t *object);
 
 /*
    Print the table of damping for people, make the value of the key 'symbol.damping', and write the CSV with a row for
@@ -42,7 +42,7 @@ void           MpmTransientJson(const MpmSpectrum *spectrum, json_t *object);
 
    Collective, but MpmDampingJson is not.
 */
-PetscErrorCode MpmDampingPrint(const MpmScene *scene, const MpmDamping *damping);
+void           MpmDampingPrint(const MpmScene *scene, const MpmDamping *damping);
 json_t        *MpmDampingJson(const MpmScene *scene, const MpmDamping *damping);
 PetscErrorCode MpmDampingWriteCsv(const MpmDamping *damping, const char path[]);
 PetscErrorCode MpmDampingWrite(const MpmDamping *damping, MpmDataFile *file);
@@ -76,13 +76,13 @@ PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *scene, co
 
    Collective.
 */
-PetscErrorCode MpmNeighbourhoodsPrint(const MpmScene *scene, const MpmRequest *request, PetscBool limits,
-                                      const MpmNeighbourhoods *all);
+void MpmNeighbourhoodsPrint(const MpmScene *scene, const MpmRequest *request, PetscBool limits,
+                            const MpmNeighbourhoods *all);
 void MpmNeighbourhoodsJson(const MpmScene *scene, const MpmNeighbourhoods *all, PetscBool limits, json_t *object);
 
 /* Not collective. Type, length, direction and phases of a wave in words; assembled: of a mode that has it for the most. */
-PetscErrorCode MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave, const PetscReal beta[], size_t room,
-                             char text[]);
+void MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave, const PetscReal beta[], size_t room,
+                   char text[]);
 
 /* Collective. Writes the row of one scene to a CSV file. */
 PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, const MpmCritical *critical);

@@ -33,7 +33,7 @@ PetscErrorCode MpmRunCsvBegin(const MpmRun *run, const char before[], MpmTextFil
   PetscCall(MpmTextAdd(&header, "\n"));
   same = !before || !*before || !strncmp(before, header.text, header.length) ? PETSC_TRUE : PETSC_FALSE;
   if (csv->stream && same) fputs(before && *before ? before : header.text, csv->stream);
-  PetscCall(MpmTextFree(&header));
+  MpmTextFree(&header);
   MpmCheckInput(same,
                 "restart %s: its CSV has other columns; allowed: weights, source_term, ringing and tangent as before",
                 request->restart);

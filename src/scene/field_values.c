@@ -21,7 +21,7 @@ static PetscErrorCode TakeOne(const MpmScene *scene, const void *place, PetscInt
   PetscFunctionBegin;
   switch (field->value) {
   case MPM_AS_TEXT:
-    PetscCall(PetscStrncpy(value->text, field->text ? field->text(scene) : place, sizeof value->text));
+    (void)snprintf(value->text, sizeof value->text, "%s", field->text ? field->text(scene) : (const char *)place);
     break;
   case MPM_AS_COUNT:
     value->whole[a] = *(const PetscInt *)place;
@@ -39,10 +39,13 @@ static PetscErrorCode TakeOne(const MpmScene *scene, const void *place, PetscInt
     PetscCall(PetscArraycpy(value->number[a], (const PetscReal *)place, 2));
     break;
   case MPM_AS_SWITCH:
-    PetscCall(PetscStrncpy(value->text, *(const PetscBool *)place ? "true" : "false", sizeof value->text));
+    (void)snprintf(value->text, sizeof value->text, "%s", *(const PetscBool *)place ? "true" : "false");
+    break;
+  case MPM_AS_WORD:
+    (void)snprintf(value->text, sizeof value->text, "%s", MpmFieldWord(field, *(const int *)place));
     break;
   case MPM_AS_COUNTS:
-    PetscCall(MpmSceneCountsText(scene, sizeof value->text, value->text));
+    MpmSceneCountsText(scene, sizeof value->text, value->text);
     break;
   case MPM_NO_VALUE:
     SETERRQ(PETSC_COMM_SELF, PETSC_ERR_PLIB, "field %s has no value", field->name);
@@ -102,19 +105,29 @@ PetscErrorCode MpmValuesIn(MpmRecord record, const MpmScene *scene, const MpmReq
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmValueAttribute(const MpmValue *value, PetscInt a, size_t room, char name[])
+void MpmValueAttributes(const MpmValue *value, PetscInt a, PetscInt *n, MpmAttribute attributes[2])
 {
-  static const char        axes[]  = "xyz";
-  static const char *const plane[] = {"xx", "xy", "yy"}, *const space[] = {"xx", "xy", "xz", "yy", "yz", "zz"};
+  static const char *const axes[] = {"x", "y", "z"}, *const plane[] = {"xx", "xy", "yy"},
+                           *const space[] = {"xx", "xy", "xz", "yy", "yz", "zz"}, *const ends[] = {"_from", "_to"};
+  const char *const *parts   = !value->field->numbers ? axes : value->n == 3 ? plane : space;
+  const PetscBool    range   = value->kind == MPM_AS_RANGE ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool    numeric = value->kind >= MPM_AS_COUNT && value->kind <= MPM_AS_RANGE ? PETSC_TRUE : PETSC_FALSE;
 
-  PetscFunctionBegin;
-  if (value->n == 1)
-    PetscCall(PetscStrncpy(name, value->field->name, room));
-  else if (value->field->numbers)
-    PetscCall(PetscSNPrintf(name, room, "%s_%s", value->field->name, value->n == 3 ? plane[a] : space[a]));
-  else
-    PetscCall(PetscSNPrintf(name, room, "%s_%c", value->field->name, axes[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  *n = range ? 2 : 1;
+  for (PetscInt i = 0; i < *n; i++) {
+    MpmAttribute *of = &attributes[i];
+
+    *of = (MpmAttribute){.kind   = value->kind == MPM_AS_COUNT ? MPM_AS_COUNT
+                                   : numeric                   ? MPM_AS_REAL
+                                                               : MPM_AS_TEXT,
+                         .number = value->number[a][i],
+                         .text   = value->text};
+    (void)snprintf(of->name, sizeof of->name, "%s%s%s%s", value->field->name, value->n > 1 ? "_" : "",
+                   value->n > 1 ? parts[a] : "", range ? ends[i] : "");
+    if (value->kind == MPM_AS_COUNT) of->count = (PetscInt)value->whole[a];
+    if (value->kind == MPM_AS_LONG) of->number = (PetscReal)value->whole[a];
+    if (value->kind == MPM_AS_FRACTION) of->number = value->fraction[a].value;
+  }
 }
 
 PetscErrorCode MpmValueOneText(const MpmValue *value, PetscInt a, size_t room, char text[])
@@ -140,7 +153,7 @@ PetscErrorCode MpmValueOneText(const MpmValue *value, PetscInt a, size_t room, c
       (void)snprintf(text, room, "%.17g", f->value);
     break;
   default:
-    PetscCall(PetscStrncpy(text, value->text, room));
+    (void)snprintf(text, room, "%s", value->text);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,7 +182,7 @@ static PetscErrorCode Join(const MpmValue *value,
   for (PetscInt a = 0; a < value->n; a++) {
     const size_t used = strlen(text), comma = a > 0;
 
-    if (comma) PetscCall(MpmTextJoin(text, ",", room));
+    if (comma) MpmTextJoin(text, ",", room);
     PetscCall(one(value, a, room - used - comma, text + used + comma));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

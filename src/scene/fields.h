@@ -25,7 +25,7 @@ typedef enum {
 
 /*
    How a value is kept: text; a whole number (count: PetscInt, long: PetscInt64); a double; a fraction; two doubles; a
-   PetscBool; the numbers of particles in cells.
+   PetscBool; an enum, whose value is the place of the word among the option's; the numbers of particles in cells.
 */
 typedef enum {
   MPM_NO_VALUE,
@@ -36,6 +36,7 @@ typedef enum {
   MPM_AS_FRACTION,
   MPM_AS_RANGE,
   MPM_AS_SWITCH,
+  MPM_AS_WORD,
   MPM_AS_COUNTS
 } MpmValueKind;
 
@@ -56,7 +57,7 @@ typedef enum { MPM_FILE_NONE, MPM_FILE_READ, MPM_FILE_WRITTEN } MpmFileUse;
    fallback   - its default as text, NULL: none
    help       - its meaning, as 'mpmstab list options' prints it
    lo, hi     - bounds of a number; lo itself is out when lo_open
-   word(i)    - the words that are allowed, NULL after the last
+   words      - the words that are allowed, NULL after the last; word(i): the same as a function
    also       - a word that may stand in the place of a number, or NULL; where a number is needed, it is the default then
    rival      - an option that says the same in another way, so that giving both is an error; several with commas
    tasks      - those that read it (NULL: all); the others refuse it on the command line
@@ -77,11 +78,12 @@ typedef enum { MPM_FILE_NONE, MPM_FILE_READ, MPM_FILE_WRITTEN } MpmFileUse;
    no_key     - the option stands on the command line only
 S*/
 typedef struct {
-  const char   *name;
-  MpmOptionKind kind;
-  const char   *fallback, *help;
-  PetscReal     lo, hi;
-  PetscBool     lo_open;
+  const char        *name;
+  MpmOptionKind      kind;
+  const char        *fallback, *help;
+  PetscReal          lo, hi;
+  PetscBool          lo_open;
+  const char *const *words;
   const char *(*word)(PetscInt i);
   const char  *also;
   const char  *rival, *tasks;
@@ -102,11 +104,24 @@ typedef struct {
 /* Not collective. The fields that are options, and those that follow from others; each ended by one without a name. */
 extern const MpmField MpmOptions[], MpmDerived[];
 
+/* Not collective. Word i of an option; NULL after the last, and of an option without words. */
+static inline const char *MpmFieldWord(const MpmField *field, PetscInt i)
+{
+  return field->words ? field->words[i] : field->word ? field->word(i) : NULL;
+}
+
 #define MPM_MAX_OPTIONS 160
 
 /* Not collective. Index of an option in MpmOptions, or MPM_NOT_AN_OPTION. */
 #define MPM_NOT_AN_OPTION -1
 PetscInt MpmOptionIndex(const char name[]);
+
+/* Not collective. Whether a task reads an option. */
+PetscBool MpmFieldIsOf(const MpmField *option, const char task[]);
+
+/* Not collective. The option that a misspelled name may mean, or NULL. */
+const char *MpmOptionNear(const char name[]);
+
 /*S
    MpmValue - a field's value in a scene, or its n values, one for each direction or component. Its kind says where they are:
    AS_COUNT, AS_LONG in whole; AS_REAL in number[i][0], AS_RANGE in number; AS_FRACTION in fraction; the others in text.
@@ -134,11 +149,22 @@ PetscErrorCode MpmValuesIn(MpmRecord record, const MpmScene *scene, const MpmReq
 /* Not collective. The value of one field, by its name. */
 PetscErrorCode MpmValueOf(const char name[], const MpmScene *scene, const MpmRequest *request, MpmValue *value);
 
+/*S
+   MpmAttribute - an attribute of a file: a whole number (AS_COUNT), a double (AS_REAL) or a text (AS_TEXT).
+S*/
+typedef struct {
+  char         name[64];
+  MpmValueKind kind;
+  PetscInt     count;
+  PetscReal    number;
+  const char  *text;
+} MpmAttribute;
+
 /*
-   Not collective. The name of value a as an attribute: the field's, where there are several with _x, _y or _z, and of a
-   stress with _xx, _xy and so on.
+   Not collective. What value a is as attributes, one or the two ends of a range: the field's name, where there are several
+   with _x, _y or _z, and of a stress with _xx, _xy and so on; the ends have _from and _to behind it.
 */
-PetscErrorCode MpmValueAttribute(const MpmValue *value, PetscInt a, size_t room, char name[]);
+void MpmValueAttributes(const MpmValue *value, PetscInt a, PetscInt *n, MpmAttribute attributes[2]);
 
 /* Not collective. The value of direction a with all its digits, as MpmValueText has it. */
 PetscErrorCode MpmValueOneText(const MpmValue *value, PetscInt a, size_t room, char text[]);

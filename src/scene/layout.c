@@ -208,25 +208,21 @@ MpmProperty MpmLayoutWeight(const MpmLayout *layout, MpmOpKind kind)
   return layout->varies[weight] ? weight : MPM_NO_PROPERTY;
 }
 
-static PetscErrorCode Append(char text[], size_t room, const char format[], PetscInt number)
+static void Append(char text[], size_t room, const char format[], PetscInt number)
 {
   char part[32];
 
-  PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(part, sizeof part, format, number));
-  PetscCall(MpmTextJoin(text, part, room));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(part, sizeof part, format, number);
+  MpmTextJoin(text, part, room);
 }
 
-PetscErrorCode MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[])
+void MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[])
 {
-  PetscFunctionBegin;
   text[0] = 0;
   for (PetscInt a = 0; a < layout->dim; a++)
-    PetscCall(Append(text, room, a ? ",%" PetscInt_FMT : "cells %" PetscInt_FMT, layout->grid[a].cells));
+    Append(text, room, a ? ",%" PetscInt_FMT : "cells %" PetscInt_FMT, layout->grid[a].cells);
   for (PetscInt a = 0; a < layout->dim; a++)
-    PetscCall(Append(text, room, a ? ",%" PetscInt_FMT : " with ppc %" PetscInt_FMT, layout->ppc[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+    Append(text, room, a ? ",%" PetscInt_FMT : " with ppc %" PetscInt_FMT, layout->ppc[a]);
 }
 
 PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[])
@@ -234,7 +230,7 @@ PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, Pets
   char size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
-  PetscCall(MpmLayoutSizeText(layout, sizeof size, size));
+  MpmLayoutSizeText(layout, sizeof size, size);
   PetscCall(MpmMemoryCheck(comm, size, bytes, what));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -57,7 +57,7 @@ void MpmLayoutPlaceAt(const MpmLayout *layout, const MpmFraction drift[], PetscI
 
 /* Not collective. The options that say how large a layout is, as text: 'cells 8,4 with ppc 2,2'. */
 #define MPM_SIZE_TEXT 128
-PetscErrorCode MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[]);
+void MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[]);
 
 /* Collective. Refuses work on a layout that needs more memory than there is; see MpmMemoryCheck. */
 PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[]);

@@ -3,30 +3,26 @@
 #include <mpmstab/scheme.h>
 #include <math.h>
 
-PetscErrorCode MpmMachCreate(PetscInt dim, const MpmFraction number[], MpmMach *mach, PetscBool *ok)
+void MpmMachCreate(PetscInt dim, const MpmFraction number[], MpmMach *mach, PetscBool *ok)
 {
   PetscInt64 common = 1, divisor = 0;
 
-  PetscFunctionBegin;
   *mach = (MpmMach){.dim = dim, .unit = {.den = 1}};
   *ok   = PETSC_FALSE;
   for (PetscInt a = 0; a < dim; a++) {
-    if (!number[a].den) PetscFunctionReturn(PETSC_SUCCESS);
-    if (__builtin_mul_overflow(common / MpmCommonDivisor(common, number[a].den), number[a].den, &common))
-      PetscFunctionReturn(PETSC_SUCCESS);
+    if (!number[a].den) return;
+    if (__builtin_mul_overflow(common / MpmCommonDivisor(common, number[a].den), number[a].den, &common)) return;
   }
   for (PetscInt a = 0; a < dim; a++) {
-    if (__builtin_mul_overflow(number[a].num, common / number[a].den, &mach->times[a]))
-      PetscFunctionReturn(PETSC_SUCCESS);
+    if (__builtin_mul_overflow(number[a].num, common / number[a].den, &mach->times[a])) return;
     divisor = MpmCommonDivisor(divisor, mach->times[a]);
   }
   *ok = PETSC_TRUE;
-  if (!divisor) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!divisor) return;
   for (PetscInt a = 0; a < dim; a++) mach->times[a] /= divisor;
   mach->unit = MpmFractionProduct(
       2, (const MpmFraction[]){{divisor, 1, (PetscReal)divisor}, {1, common, 1 / (PetscReal)common}});
   if (!mach->unit.den) *ok = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmMachDrift(const MpmMach *mach, const MpmFraction *part, MpmFraction drift[])

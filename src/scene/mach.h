@@ -15,7 +15,7 @@ typedef struct {
 } MpmMach;
 
 /* Not collective. Sets the Mach numbers of dim directions; ok: they are ratios with short enough terms. */
-PetscErrorCode MpmMachCreate(PetscInt dim, const MpmFraction number[], MpmMach *mach, PetscBool *ok);
+void MpmMachCreate(PetscInt dim, const MpmFraction number[], MpmMach *mach, PetscBool *ok);
 
 /* Not collective. The drift times[a] part of each direction, where part stands for k unit. */
 void MpmMachDrift(const MpmMach *mach, const MpmFraction *part, MpmFraction drift[]);

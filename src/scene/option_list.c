@@ -3,15 +3,112 @@
 
    A line has the option with its default, meaning and range, and then says where its value is. KEPT: in the scene, as it
    is given. ASKED: in the request, as it is given. MADE: in the scene, formed by scene.c. TEXT(f): the function f says
-   it. IN(a, b, c, d) are its places among the attributes of HDF5 files, in JSON, in checkpoints, and among what mode
+   it. SHOWN(f): records show it when f says so. IN(a, b, c, d) are its places among the attributes of HDF5 files, in JSON, in checkpoints, and among what mode
    files are compared by; 0: it is not there. A new field takes the first free place, one more than the largest. A field
    that decides what a run computes has a place in checkpoints.
 */
-#include "scene/field_shown.h"
-#include "scene/field_words.h"
+#include "scene/fields.h"
+#include "base/suggest.h"
+#include "scene/layout.h"
+#include "scene/material.h"
 #include <string.h>
 
 /* clang-format off */
+
+/* ---- words of options, and values that a scene keeps as something else ---- */
+
+#define NAMES(function, list)  static const char *function(PetscInt i) { return list[i] ? list[i]->name : NULL; }
+#define SAYS(function, word)   static const char *function(const MpmScene *s) { return word; }
+
+NAMES(FormulationWord, MpmFormulations)
+NAMES(BasisWord, MpmBases)
+NAMES(TransferWord, MpmTransfers)
+
+/* Distributions of a linear material, and then the laws but the linear one. */
+static const char *MaterialWord(PetscInt i)
+{
+  const MpmLaw *law = i < MPM_MATERIAL_KINDS ? NULL : MpmLaws[i - MPM_MATERIAL_KINDS + 1];
+
+  return i < MPM_MATERIAL_KINDS ? MpmMaterialNames[i] : law ? law->name : NULL;
+}
+
+SAYS(FormulationOf, s->scheme.formulation->name)
+SAYS(BasisOf, s->scheme.basis->name)
+SAYS(TransferOf, s->scheme.transfer->name)
+SAYS(SplineEndsOf, MpmSplineEndNames[s->scheme.basis->spline_ends])
+SAYS(RkOf, MpmRkWord(s->scheme.numbers.rk))
+SAYS(RkOnOf, MpmRkOnNames[MpmRkIsOnNodes(&s->scheme.numbers, s->scheme.transfer) ? MPM_RK_NODES : MPM_RK_PARTICLES])
+SAYS(KinematicsOf, MpmKinematicsNames[s->scheme.space.finite ? 1 : 0])
+SAYS(ShapeOf, s->layout.shape ? s->layout.shape : MpmShapeNames[0])
+SAYS(LayoutOf, s->layout.name)
+SAYS(MaterialOf, s->law == &MpmLawLinear ? MpmMaterialNames[s->layout.material.kind] : s->law->name)
+static const char *const layouts[] = {"uniform", NULL};
+
+/* How many components a stress has. */
+static PetscInt StressNumbers(const MpmScene *scene)
+{
+  return scene->layout.dim * (scene->layout.dim + 1) / 2;
+}
+
+/* ---- when a record shows a field: JSON leaves out what is the default ---- */
+
+#define WHEN(function, condition) static PetscBool function(const MpmScene *s, MpmRecord in) { (void)s, (void)in; return (condition) ? PETSC_TRUE : PETSC_FALSE; }
+
+static PetscBool TransferReads(const MpmScene *s, const char option[])
+{
+  return s->scheme.transfer->option && !strcmp(s->scheme.transfer->option, option) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool IsCentred(const MpmLayout *layout)
+{
+  for (PetscInt a = 0; a < layout->dim; a++)
+    if (layout->offset[a].value != 0.5) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+WHEN(HasOrder, TransferReads(s, "xpic_order"))
+WHEN(HasRatio, TransferReads(s, "blend_ratio"))
+WHEN(HasAffineRatio, TransferReads(s, "aflip_ratio"))
+WHEN(HasShare, MpmFormulationReads(s->scheme.formulation, "share"))
+WHEN(HasRk, MpmFormulationReads(s->scheme.formulation, "rk"))
+WHEN(HasFilterTime, MpmSceneChoosesFilter(s))
+WHEN(HasSplineEnds, MpmBasisIsAltered(s->scheme.basis))
+/* files that were written before there was more than one dimension have neither of these two */
+WHEN(HasDim, in == MPM_IN_FILE || in == MPM_IN_JSON || s->layout.dim > 1)
+WHEN(HasGradient, in == MPM_IN_FILE || in == MPM_IN_JSON || s->scheme.space.gradient != MPM_GRADIENT_BASIS)
+/* a checkpoint holds what each rank had, and is read so where the ranks have the same cells */
+WHEN(HasBalance, s->layout.balance != MPM_BALANCE_AUTO)
+WHEN(HasRanks, s->layout.ranks[0])
+WHEN(HasPoisson, MpmSceneHasPoisson(s))
+WHEN(HasDensity, s->density > 0)
+WHEN(HasUnits, MpmSceneIsPhysical(s))
+WHEN(HasSpeed, in != MPM_IN_JSON || MpmSceneIsPhysical(s))
+/* with courant auto step and drift differ from step to step; a checkpoint compares the drift, as it says how fast particles start */
+WHEN(HasOneStep, s->safety == 0)
+WHEN(HasSafety, s->safety > 0)
+WHEN(HasDrift, in == MPM_IN_CHECKPOINT || s->safety == 0)
+WHEN(HasTimeStep, s->safety == 0 && (in != MPM_IN_JSON || (MpmSceneIsPhysical(s) && MpmSceneHasStep(s))))
+WHEN(HasPolarisation, MpmSceneHasPoisson(s) && s->initial == MPM_INITIAL_MODE)
+WHEN(HasOffset, in != MPM_IN_JSON || !IsCentred(&s->layout))
+WHEN(HasJitter, in != MPM_IN_JSON || s->layout.jitter != 0)
+/* the seed decides where particles are, and for a run also what random data it starts from */
+WHEN(HasSeed, in == MPM_IN_FILE || s->layout.jitter != 0 || (in == MPM_IN_CHECKPOINT && s->initial == MPM_INITIAL_RANDOM))
+WHEN(HasCounts, in != MPM_IN_JSON || s->layout.counts.n > 1)
+WHEN(HasCluster, in != MPM_IN_JSON || s->layout.cluster[1] - s->layout.cluster[0] < 1)
+WHEN(HasMaterial, in != MPM_IN_JSON || s->layout.material.kind != MPM_MATERIAL_UNIFORM)
+WHEN(HasMaterialName, s->law != &MpmLawLinear || HasMaterial(s, in))
+WHEN(HasInclusion, in == MPM_IN_FILE || in == MPM_IN_MODE_FILE || s->layout.material.kind == MPM_MATERIAL_TWO)
+WHEN(HasPrestress, MpmSpaceIsPrestressed(&s->scheme.space))
+WHEN(HasMove, s->scheme.space.displaced || s->scheme.space.finite)
+WHEN(HasKinematics, s->scheme.space.finite)
+WHEN(HasShape, s->layout.shape)
+WHEN(HasGravity, s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0)
+WHEN(HasStretch, s->law != &MpmLawLinear || s->scheme.space.finite)
+WHEN(HasLameRatio, s->law == &MpmLawNeo || (s->scheme.space.finite && s->law->solid))
+WHEN(HasExponent, s->law->exponent > 0)
+
+/* ---- the table ---- */
+
 #define BETWEEN(a, b)      .lo = a, .hi = b
 #define ABOVE(a)           .lo = a, .hi = PETSC_MAX_REAL, .lo_open = PETSC_TRUE
 #define FROM(a)            .lo = a, .hi = PETSC_MAX_REAL
@@ -25,95 +122,97 @@
 #define OF_MATRIX          .of_matrix = PETSC_TRUE
 #define READS              .file = MPM_FILE_READ
 #define WRITES(of)         .file = MPM_FILE_WRITTEN, .endings = of
+#define WORDS(names)       .words = names
+#define SHOWN(function)    .shown = function
 #define TEXT(function)     .value = MPM_AS_TEXT, .text = function, .by_hand = PETSC_TRUE
 #define FILE_IN(member)    .value = MPM_AS_TEXT, .owner = MPM_OF_REQUEST, .at = offsetof(MpmRequest, member), .by_hand = PETSC_TRUE
 #define IN(file, json, checkpoint, mode_file) .place = {file, json, checkpoint, mode_file}
 
 const MpmField MpmOptions[] = {
   {"formulation", MPM_WORD, "gas2", "the scheme",
-   .word = MpmFormulationWord, TEXT(MpmFormulationOf), IN(1, 1, 1, 1)},
+   .word = FormulationWord, TEXT(FormulationOf), IN(1, 1, 1, 1)},
   {"scheme", MPM_PATH, NULL, "a scheme as text, instead of formulation: a YAML file, or a block of the scene (docs/theory.md, section 3)",
-   NO_RANGE, TEXT(MpmSchemeHashOf), IN(59, 41, 47, 40), .shown = MpmRecordHasScheme, .json = "scheme.hash", READS},
+   NO_RANGE, MADE(AS_TEXT, scheme_hash), IN(59, 41, 47, 40), .json = "scheme.hash", READS},
   {"basis", MPM_WORD, "linear", "the grid's basis functions",
-   .word = MpmBasisWord, TEXT(MpmBasisOf), IN(2, 2, 2, 2)},
+   .word = BasisWord, TEXT(BasisOf), IN(2, 2, 2, 2)},
   {"spline_ends", MPM_WORD, "mirror", "basis quadratic or cubic next to walls and free ends: mirror images, modified (the ghost node continues the last two nodes in a straight line), or open knot vectors",
-   .word = MpmSplineEndsWord, TEXT(MpmSplineEndsOf), IN(57, 39, 46, 39), .shown = MpmRecordHasSplineEnds},
+   WORDS(MpmSplineEndNames), TEXT(SplineEndsOf), IN(57, 39, 46, 39), SHOWN(HasSplineEnds)},
   {"transfer", MPM_WORD, "flip", "how particles are renewed",
-   .word = MpmTransferWord, TEXT(MpmTransferOf), IN(3, 3, 3, 3)},
+   .word = TransferWord, TEXT(TransferOf), IN(3, 3, 3, 3)},
   {"xpic_order", MPM_INTEGER, "2", "order of transfers xpic and fmpm, the terms of their sum; 1 is pic",
-   BETWEEN(1, 1000), KEPT(AS_COUNT, scheme.numbers.order), .real = PETSC_TRUE, IN(31, 11, 4, 19), .shown = MpmRecordHasOrder},
+   BETWEEN(1, 1000), KEPT(AS_COUNT, scheme.numbers.order), .real = PETSC_TRUE, IN(31, 11, 4, 19), SHOWN(HasOrder)},
   {"blend_ratio", MPM_REAL, "0.95", "share of flip in transfer blend, the rest is pic",
-   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.ratio), IN(32, 12, 5, 20), .shown = MpmRecordHasRatio},
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.ratio), IN(32, 12, 5, 20), SHOWN(HasRatio)},
   {"aflip_ratio", MPM_REAL, "1", "share of flip in the velocities of transfers aflip and asflip, the rest is apic",
-   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.affine_ratio), IN(52, 35, 42, 35), .shown = MpmRecordHasAffineRatio},
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.affine_ratio), IN(52, 35, 42, 35), SHOWN(HasAffineRatio)},
   {"pic_filter", MPM_WORD, "after", "gas and elastic: a transfer that filters does so after nodes take the values of the particles (the textbook's pic), or before",
-   .word = MpmFilterTimeWord, TEXT(MpmFilterTimeOf), IN(53, 36, 43, 36), .shown = MpmRecordHasFilterTime},
+   WORDS(MpmFilterTimeNames), KEPT(AS_WORD, scheme.space.filter), IN(53, 36, 43, 36), SHOWN(HasFilterTime)},
   {"share", MPM_FRACTION, "1/2", "formulation verlet: the part of the strain that comes after the force; 0 is usf, 1 is usl",
-   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.share), IN(89, 70, 64, 49), .shown = MpmRecordHasShare},
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.share), IN(89, 70, 64, 49), SHOWN(HasShare)},
   {"rk", MPM_WORD, "rk4", "formulation rk: the explicit Runge-Kutta method",
-   .word = MpmRkWord, TEXT(MpmRkOf), IN(90, 71, 65, 50), .shown = MpmRecordHasRk},
+   .word = MpmRkWord, TEXT(RkOf), IN(90, 71, 65, 50), SHOWN(HasRk)},
   {"rk_on", MPM_WORD, "auto", "formulation rk: stages are on particles (a whole P2G and G2P each, transfer flip) or on nodes; auto: on particles with flip, else on nodes",
-   .word = MpmRkOnWord, TEXT(MpmRkOnOf), IN(91, 72, 66, 51), .shown = MpmRecordHasRk},
+   WORDS(MpmRkOnNames), TEXT(RkOnOf), IN(91, 72, 66, 51), SHOWN(HasRk)},
   {"dim", MPM_INTEGER, "1", "space dimensions",
-   BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), .shown = MpmRecordHasDim},
+   BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), SHOWN(HasDim)},
   {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",
-   .word = MpmGradientWord, TEXT(MpmGradientOf), IN(33, 22, 28, 23), .shown = MpmRecordHasGradient},
+   WORDS(MpmGradientNames), KEPT(AS_WORD, scheme.space.gradient), IN(33, 22, 28, 23), SHOWN(HasGradient)},
   {"poisson", MPM_REAL, "0.3", "momentum schemes with dim 2 or 3: Poisson's ratio, plane strain with dim 2; 0.5 is a fluid with pressure only",
-   BETWEEN(0, 0.5), .rival = "bulk,shear", KEPT(AS_REAL, scheme.space.poisson), IN(34, 23, 29, 24), .shown = MpmRecordHasPoisson},
+   BETWEEN(0, 0.5), .rival = "bulk,shear", KEPT(AS_REAL, scheme.space.poisson), IN(34, 23, 29, 24), SHOWN(HasPoisson)},
   {"cells", MPM_INTEGER, "64", "cells of the grid",
    BETWEEN(1, 2147483646), EACH(AS_COUNT, layout.grid[0].cells, layout.grid[0]), IN(11, 6, 7, 5)},
   {"length", MPM_REAL, "1", "length L of the domain",
    ABOVE(0), .rival = "cell_width", EACH(AS_REAL, length, length[0]), IN(16, 0, 19, 0)},
   {"cell_width", MPM_REAL, NULL, "width h of a cell, instead of length",
-   ABOVE(0), .rival = "length", KEPT(AS_REAL, cell_width), IN(0, 26, 0, 0), .shown = MpmRecordHasUnits},
+   ABOVE(0), .rival = "length", KEPT(AS_REAL, cell_width), IN(0, 26, 0, 0), SHOWN(HasUnits)},
   {"ppc", MPM_INTEGER, "2", "particles per cell, in each direction",
    BETWEEN(1, 1000000), .rival = "counts", MADE(AS_COUNT, layout.ppc[0]), .each = STRIDE(layout.ppc[0]), IN(12, 7, 0, 6)},
   {"counts", MPM_LIST, NULL, "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc",
-   BETWEEN(0, 1000000), .rival = "ppc", MADE(AS_COUNTS, layout.counts), IN(26, 16, 8, 7), .shown = MpmRecordHasCounts},
+   BETWEEN(0, 1000000), .rival = "ppc", MADE(AS_COUNTS, layout.counts), IN(26, 16, 8, 7), SHOWN(HasCounts)},
   {"layout", MPM_WORD, "uniform", "where particles start",
-   .word = MpmLayoutWord, TEXT(MpmLayoutOf), IN(4, 0, 0, 0)},
+   WORDS(layouts), TEXT(LayoutOf), IN(4, 0, 0, 0)},
   {"offset", MPM_FRACTION, "0.5", "start of the first particle, in particle spacings",
-   BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), EACH(AS_FRACTION, layout.offset, layout.offset[0]), IN(9, 13, 9, 13), .shown = MpmRecordHasOffset},
+   BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), EACH(AS_FRACTION, layout.offset, layout.offset[0]), IN(9, 13, 9, 13), SHOWN(HasOffset)},
   {"jitter", MPM_REAL, "0", "random displacement, in particle spacings",
-   BETWEEN(0, 1), KEPT(AS_REAL, layout.jitter), IN(20, 14, 10, 14), .shown = MpmRecordHasJitter},
+   BETWEEN(0, 1), KEPT(AS_REAL, layout.jitter), IN(20, 14, 10, 14), SHOWN(HasJitter)},
   {"cluster", MPM_RANGE, "0,1", "the part lo,hi of each cell that its particles are squeezed into",
-   BETWEEN(0, 1), KEPT(AS_RANGE, layout.cluster), IN(25, 17, 12, 8), .shown = MpmRecordHasCluster},
+   BETWEEN(0, 1), KEPT(AS_RANGE, layout.cluster), IN(25, 17, 12, 8), SHOWN(HasCluster)},
   {"seed", MPM_INTEGER, "1", "seed of jitter and random data",
-   BETWEEN(0, 9007199254740992), KEPT(AS_LONG, layout.seed), IN(14, 15, 11, 15), .shown = MpmRecordHasSeed},
+   BETWEEN(0, 9007199254740992), KEPT(AS_LONG, layout.seed), IN(14, 15, 11, 15), SHOWN(HasSeed)},
   {"fill", MPM_RANGE, NULL, "cells lo,hi between which there are particles (default: all)",
    ANY},
   {"shape", MPM_WORD, "box", "kinematics finite, dim 2 or 3: particles fill a box, two discs of radius L/5 at 1/5 and 4/5 of the domain, or a ring around its middle, of radii 3/4 and 5/4",
-   .word = MpmShapeWord, .tasks = "run, spectrum", TEXT(MpmShapeOf), IN(87, 68, 62, 0), .shown = MpmRecordHasShape},
+   WORDS(MpmShapeNames), .tasks = "run, spectrum", TEXT(ShapeOf), IN(87, 68, 62, 0), SHOWN(HasShape)},
   {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic",
-   .word = MpmMaterialWord, TEXT(MpmMaterialOf), IN(27, 18, 15, 9), .shown = MpmRecordHasMaterialName, .json = "material.kind"},
+   .word = MaterialWord, TEXT(MaterialOf), IN(27, 18, 15, 9), SHOWN(HasMaterialName), .json = "material.kind"},
   {"stretch", MPM_REAL, "1", "F0, how far the material is stretched along x, y and z in the state that the scheme is linear about, or starts from with kinematics finite; it gives prestress and the wave speed there",
-   ABOVE(0), EACH(AS_REAL, stretch, stretch[0]), IN(76, 58, 49, 42), .shown = MpmRecordHasStretch, .json = "material.stretch"},
+   ABOVE(0), EACH(AS_REAL, stretch, stretch[0]), IN(76, 58, 49, 42), SHOWN(HasStretch), .json = "material.stretch"},
   {"lame_ratio", MPM_REAL, "0", "material neo, and all solids with kinematics finite: lambda / mu",
-   FROM(0), KEPT(AS_REAL, lame_ratio), IN(77, 59, 50, 43), .shown = MpmRecordHasLameRatio, .json = "material.lame_ratio"},
+   FROM(0), KEPT(AS_REAL, lame_ratio), IN(77, 59, 50, 43), SHOWN(HasLameRatio), .json = "material.lame_ratio"},
   {"exponent", MPM_REAL, NULL, "material tait (7) and polytropic (1.4): the power of the density that pressure grows with",
-   ABOVE(0), KEPT(AS_REAL, exponent), IN(78, 60, 51, 44), .shown = MpmRecordHasExponent, .json = "material.exponent"},
+   ABOVE(0), KEPT(AS_REAL, exponent), IN(78, 60, 51, 44), SHOWN(HasExponent), .json = "material.exponent"},
   {"prestress", MPM_REAL, "0", "momentum schemes: sigma0 / (rho c^2), the stress of the state that the scheme is linear about; c is the speed of P waves along x there. With dim 2 along x,y or xx,xy,yy; with dim 3 along x,y,z or xx,xy,xz,yy,yz,zz",
-   BETWEEN(-1e6, 1e6), MADE(AS_REAL, scheme.space.prestress), .each = STRIDE(scheme.space.prestress[0]), .numbers = MpmStressNumbers, IN(79, 61, 52, 45), .shown = MpmRecordHasPrestress},
+   BETWEEN(-1e6, 1e6), MADE(AS_REAL, scheme.space.prestress), .each = STRIDE(scheme.space.prestress[0]), .numbers = StressNumbers, IN(79, 61, 52, 45), SHOWN(HasPrestress)},
   {"move", MPM_WORD, "grid", "with a prestress or kinematics finite: particles move with the new velocity of the grid, or with that of the second P2G (musl, usavg)",
-   .word = MpmMoveWord, TEXT(MpmMoveOf), IN(80, 62, 53, 46), .shown = MpmRecordHasMove},
+   WORDS(MpmMoveNames), KEPT(AS_WORD, scheme.space.move), IN(80, 62, 53, 46), SHOWN(HasMove)},
   {"kinematics", MPM_WORD, "linear", "momentum schemes: linear, about a state; or finite, where particles carry the stretch F, move with the grid's velocity, and have the stress of material at F",
-   .word = MpmKinematicsWord, TEXT(MpmKinematicsOf), IN(81, 63, 56, 47), .shown = MpmRecordHasKinematics},
+   WORDS(MpmKinematicsNames), TEXT(KinematicsOf), IN(81, 63, 56, 47), SHOWN(HasKinematics)},
   {"gravity", MPM_REAL, NULL, "kinematics finite: acceleration of gravity in each direction, in length / time^2, such as 0,-9.81",
-   ANY, .tasks = "run, spectrum", EACH(AS_REAL, gravity, gravity[0]), IN(82, 64, 57, 48), .shown = MpmRecordHasGravity},
+   ANY, .tasks = "run, spectrum", EACH(AS_REAL, gravity, gravity[0]), IN(82, 64, 57, 48), SHOWN(HasGravity)},
   {"density_ratio", MPM_REAL, "1", "density of the second material over the first's",
-   BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), .shown = MpmRecordHasMaterial, .json = "material.density_ratio"},
+   BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), SHOWN(HasMaterial), .json = "material.density_ratio"},
   {"stiffness_ratio", MPM_REAL, "1", "stiffness of the second material over the first's",
-   BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.stiffness), IN(29, 20, 17, 11), .shown = MpmRecordHasMaterial, .json = "material.stiffness_ratio"},
+   BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.stiffness), IN(29, 20, 17, 11), SHOWN(HasMaterial), .json = "material.stiffness_ratio"},
   {"inclusion", MPM_RANGE, NULL, "cells lo,hi between which the second material is (default: the right half)",
-   ANY, EACH(AS_RANGE, layout.material.inclusion, layout.material.inclusion[0]), IN(30, 21, 18, 12), .shown = MpmRecordHasInclusion, .json = "material.inclusion"},
+   ANY, EACH(AS_RANGE, layout.material.inclusion, layout.material.inclusion[0]), IN(30, 21, 18, 12), SHOWN(HasInclusion), .json = "material.inclusion"},
   {"boundary", MPM_ENDS, "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free, symmetry; of several directions as periodic,fixed-free",
-   .word = MpmEndWord, TEXT(MpmBoundaryOf), IN(5, 4, 6, 4)},
+   WORDS(MpmEndNames), MADE(AS_TEXT, boundary), IN(5, 4, 6, 4)},
   {"wave_speed", MPM_REAL, "1", "wave speed c",
-   ABOVE(0), .rival = "sound_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed), IN(17, 25, 20, 0), .shown = MpmRecordHasSpeed},
+   ABOVE(0), .rival = "sound_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed), IN(17, 25, 20, 0), SHOWN(HasSpeed)},
   {"sound_speed", MPM_REAL, NULL, "wave speed c (of pressure waves, with dim 2 or 3), instead of moduli; another word for wave_speed",
    ABOVE(0), .rival = "wave_speed,young,bulk,shear", KEPT(AS_REAL, wave_speed)},
   {"density", MPM_REAL, NULL, "density rho, with young, with bulk and shear, or beside the wave speed",
-   ABOVE(0), KEPT(AS_REAL, density), IN(36, 24, 0, 0), .shown = MpmRecordHasDensity},
+   ABOVE(0), KEPT(AS_REAL, density), IN(36, 24, 0, 0), SHOWN(HasDensity)},
   {"young", MPM_REAL, NULL, "Young's modulus E: c = sqrt(E / rho) of a bar with dim 1, else with poisson, plane strain with dim 2",
    ABOVE(0), .rival = "wave_speed,sound_speed,bulk,shear"},
   {"bulk", MPM_REAL, NULL, "bulk modulus K, with shear: c = sqrt((K + 4/3 G) / rho); Poisson's ratio follows",
@@ -121,13 +220,13 @@ const MpmField MpmOptions[] = {
   {"shear", MPM_REAL, NULL, "shear modulus G, with bulk; 0 is a fluid",
    FROM(0), .rival = "wave_speed,sound_speed,young,poisson"},
   {"courant", MPM_FRACTION, "0.5", "Courant number k = c dt / h; a number or 1/3; run with kinematics finite: auto, as large as the fastest waves at any particle allow",
-   ABOVE(0), .also = "auto", .rival = "dt", KEPT(AS_REAL, step.courant), IN(18, 9, 21, 16), .shown = MpmRecordHasOneStep},
+   ABOVE(0), .also = "auto", .rival = "dt", KEPT(AS_REAL, step.courant), IN(18, 9, 21, 16), SHOWN(HasOneStep)},
   {"safety", MPM_REAL, NULL, "courant auto: part of the largest stable step that is taken (default: 0.8; 0.6 with an affine transfer or gradient mls)",
-   BETWEEN(0.01, 1), .tasks = "run", MADE(AS_REAL, safety), IN(88, 69, 63, 0), .shown = MpmRecordHasSafety},
+   BETWEEN(0.01, 1), .tasks = "run", MADE(AS_REAL, safety), IN(88, 69, 63, 0), SHOWN(HasSafety)},
   {"dt", MPM_REAL, NULL, "time step, instead of courant",
-   ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 27, 0, 0), .shown = MpmRecordHasTimeStep},
+   ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 27, 0, 0), SHOWN(HasTimeStep)},
   {"drift", MPM_FRACTION, "0", "cells a particle moves per step, U0 dt / h; a number or 1/8",
-   BETWEEN(-1e6, 1e6), .rival = "velocity,mach", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), .shown = MpmRecordHasDrift, .exact = PETSC_TRUE},
+   BETWEEN(-1e6, 1e6), .rival = "velocity,mach", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), SHOWN(HasDrift), .exact = PETSC_TRUE},
   {"velocity", MPM_REAL, NULL, "U0, instead of drift",
    ANY, .rival = "drift,mach", .each = STRIDE(step.drift[0])},
   {"mach", MPM_FRACTION, NULL, "U0 / c, instead of drift, which is then M k; of critical: as the Courant number changes, so does the drift",
@@ -135,17 +234,17 @@ const MpmField MpmOptions[] = {
   {"steps", MPM_INTEGER, "100", "time steps",
    BETWEEN(1, 1e15), .rival = "time", .tasks = "run", ASKED(AS_LONG, steps), IN(15, 0, 0, 0)},
   {"balance", MPM_WORD, "auto", "how ranks share the grid: cells, as many for each; particles, as many for each at the start; auto: particles where they rest and a rank would have 1.25 times the mean",
-   .word = MpmBalanceWord, .tasks = "run", TEXT(MpmBalanceOf), IN(0, 0, 54, 0), .shown = MpmRecordHasBalance},
+   WORDS(MpmBalanceNames), .tasks = "run", KEPT(AS_WORD, layout.balance), IN(0, 0, 54, 0), SHOWN(HasBalance)},
   {"ranks", MPM_INTEGER, NULL, "ranks along each direction, such as 4,1 for slabs; their product is the number of ranks (default: the fewest ghosts)",
-   BETWEEN(1, 1000000), .tasks = "run", EACH(AS_COUNT, layout.ranks, layout.ranks[0]), IN(0, 0, 55, 0), .shown = MpmRecordHasRanks},
+   BETWEEN(1, 1000000), .tasks = "run", EACH(AS_COUNT, layout.ranks, layout.ranks[0]), IN(0, 0, 55, 0), SHOWN(HasRanks)},
   {"time", MPM_REAL, NULL, "end of the run, instead of steps; rounded up to a whole step",
    ABOVE(0), .rival = "steps", .tasks = "run"},
   {"initial", MPM_WORD, "mode", "initial data: mode, random, pulse, eigenmode or step; with kinematics finite mode, random, manufactured, vortex, simple_wave, shock_tube, collision or uniform",
-   .word = MpmInitialWord, .tasks = "run, spectrum", TEXT(MpmInitialOf), IN(6, 0, 23, 0)},
+   WORDS(MpmInitialNames), .tasks = "run, spectrum", KEPT(AS_WORD, initial), IN(6, 0, 23, 0)},
   {"mode", MPM_INTEGER, "1", "waves in the domain (between ends: number of the mode), with initial mode; of several directions as 1,-1, and one number is along x; number in mode_file, with eigenmode",
    BETWEEN(-2147483646, 2147483646), .tasks = "run, spectrum", MADE(AS_COUNT, mode[0]), .each = STRIDE(mode[0]), IN(13, 0, 24, 0)},
   {"polarisation", MPM_WORD, "p", "momentum schemes with dim 2 or 3, initial mode: p moves along the wave, s across it",
-   .word = MpmPolarisationWord, .tasks = "run, spectrum", TEXT(MpmPolarisationOf), IN(35, 0, 30, 0), .shown = MpmRecordHasPolarisation},
+   WORDS(MpmPolarisationNames), .tasks = "run, spectrum", KEPT(AS_WORD, polarisation), IN(35, 0, 30, 0), SHOWN(HasPolarisation)},
   {"mode_file", MPM_PATH, NULL, "file of 'spectrum -output' with the eigenvector for initial eigenmode",
    NO_RANGE, .tasks = "run", READS},
   {"amplitude", MPM_REAL, "1", "amplitude of the initial data",
@@ -171,7 +270,7 @@ const MpmField MpmOptions[] = {
   {"damping_divisors", MPM_LIST, "1,2,4,8", "whole numbers: damping is found at the scene's time step divided by each of them",
    BETWEEN(1, 1000000), .tasks = "symbol"},
   {"map_axes", MPM_ENDS, "courant,drift", "what a map goes over: two of courant, drift, offset, ppc, poisson, drift_angle and mach, or two parameters that program or plugin names",
-   .word = MpmAxisWord, .tasks = "map", OF_MATRIX},
+   WORDS(MpmAxisNames), .tasks = "map", OF_MATRIX},
   {"map_courant", MPM_SPAN, "0.05,2.5", "Courant numbers lo,hi of a map",
    ABOVE(0), .tasks = "map", OF_MATRIX},
   {"map_drift", MPM_SPAN, "0,1/2", "drifts lo,hi of a map; fractions",
@@ -199,7 +298,7 @@ const MpmField MpmOptions[] = {
   {"pseudospectrum", MPM_INTEGER, NULL, "points along each side of a square at which the pseudospectrum is taken, and the Kreiss constant",
    BETWEEN(2, 1000), .tasks = "spectrum", ASKED(AS_COUNT, pseudospectrum), OF_MATRIX},
   {"tangent", MPM_WORD, "none", "kinematics finite: take small perturbations through the steps of the run, random ones, or first a velocity like the mode; says how they grow, and warns",
-   .word = MpmTangentWord, .tasks = "run"},
+   WORDS(MpmTangentNames), .tasks = "run", ASKED(AS_WORD, tangent)},
   {"window", MPM_INTEGER, "320", "tangent: steps of a window; the largest growth of any perturbation from its beginning is found after 5 steps, 10, 20 and so on, and at its end",
    BETWEEN(1, 10000), .tasks = "run", ASKED(AS_COUNT, window)},
   {"exponents", MPM_INTEGER, "1", "tangent: perturbations that are followed, each orthogonal to those before it; their growth per step is listed",
@@ -223,7 +322,7 @@ const MpmField MpmOptions[] = {
   {"program_timeout", MPM_REAL, "60", "seconds in which program, or a function of plugin, must answer",
    ABOVE(0), .tasks = "spectrum, symbol, critical, map", ASKED(AS_REAL, program_timeout), OF_MATRIX},
   {"probe", MPM_WORD, NULL, "how program or plugin is probed: bloch (one cell), coloured (particles that do not feel one another at a time) or matrix_free (every column, or products alone) (default: bloch where all cells are alike, coloured in other layouts, matrix_free where a step reaches the whole domain or particles have no places)",
-   .word = MpmProbeWord, .tasks = "spectrum, symbol, critical, map", OF_MATRIX},
+   WORDS(MpmProbeNames), .tasks = "spectrum, symbol, critical, map", OF_MATRIX},
   {"compare", MPM_PATH, NULL, "keys of a scene, such as formulation=usl,transfer=apic,courant=0.5: the step of program or plugin is compared with that scheme, block by block; particles and dt are those of the code",
    NO_RANGE, .tasks = "spectrum, symbol", FILE_IN(compare), IN(67, 49, 0, 0), OF_MATRIX},
   {"at", MPM_PATH, NULL, "steps of program or plugin after which its state is probed, such as 0,100,200",
@@ -237,7 +336,7 @@ const MpmField MpmOptions[] = {
   {"survey", MPM_SWITCH, "false", "a table of the limits of all schemes at this layout",
    .tasks = "critical", ASKED(AS_SWITCH, survey)},
   {"neighbourhood", MPM_WORDS, NULL, "where particles are: bulk, edge, corner, lone, random, several of these with commas, or all (default: bulk; all of critical for a lattice in physical units)",
-   .word = MpmNeighbourhoodWord, .tasks = "critical, spectrum"},
+   WORDS(MpmNeighbourhoodNames), .tasks = "critical, spectrum"},
   {"voids", MPM_REAL, "0.75", "neighbourhood random: share of the sites that have no particle",
    BETWEEN(0, 0.99), .tasks = "critical, spectrum", ASKED(AS_REAL, voids)},
   {"layouts", MPM_INTEGER, NULL, "random layouts: of seed and the seeds after it (default: 100 of ensemble, 20 of neighbourhood random)",
@@ -258,9 +357,9 @@ const MpmField MpmOptions[] = {
    NO_RANGE, OF_MATRIX, .no_key = PETSC_TRUE},
   {"progress", MPM_SWITCH, NULL, "progress line from the start (default: after 2 s on a terminal)", NO_RANGE, OF_MATRIX},
   {"expect", MPM_WORD, NULL, "fail unless the verdict is this: stable, unstable or undecided",
-   .word = MpmVerdictWord, OF_MATRIX},
+   WORDS(MpmVerdictNames), ASKED(AS_WORD, expect.verdict), OF_MATRIX},
   {"expect_kind", MPM_WORD, NULL, "fail unless growth is of this kind: bounded, linear or exponential",
-   .word = MpmGrowthWord, .tasks = "run"},
+   WORDS(MpmGrowthKindNames), .tasks = "run", ASKED(AS_WORD, expect.kind)},
   {"expect_growth", MPM_RANGE, NULL, "fail unless measured growth lies in lo,hi",
    ANY, .tasks = "run", ASKED(AS_RANGE, expect.growth)},
   {"expect_spectrum", MPM_RANGE, NULL, "fail unless the growth of spectrum or symbol lies in lo,hi",
@@ -279,7 +378,7 @@ const MpmField MpmOptions[] = {
 const MpmField MpmDerived[] = {
   {"first", MADE(AS_LONG, layout.first[0]), .each = STRIDE(layout.first[0]), IN(23, 0, 13, 17)},
   {"particles", MADE(AS_LONG, layout.particles), IN(24, 8, 14, 18)},
-  {"parameters", TEXT(MpmParametersOf), IN(60, 42, 48, 41), .shown = MpmRecordHasParameters, .json = "scheme.parameters"},
+  {"parameters", MADE(AS_TEXT, parameters), IN(60, 42, 48, 41), .json = "scheme.parameters"},
   {NULL},
 };
 /* clang-format on */
@@ -289,4 +388,18 @@ PetscInt MpmOptionIndex(const char name[])
   for (PetscInt i = 0; MpmOptions[i].name; i++)
     if (!strcmp(MpmOptions[i].name, name)) return i;
   return MPM_NOT_AN_OPTION;
+}
+
+PetscBool MpmFieldIsOf(const MpmField *option, const char task[])
+{
+  return !option->tasks || strstr(option->tasks, task) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+const char *MpmOptionNear(const char name[])
+{
+  const char *names[MPM_MAX_OPTIONS];
+  PetscInt    n = 0;
+
+  for (; MpmOptions[n].name; n++) names[n] = MpmOptions[n].name;
+  return MpmSuggest(name, n, names);
 }

@@ -37,8 +37,8 @@ static PetscErrorCode ReadOwnTransfer(const MpmSettings *settings, MpmScene *sce
     PetscFunctionReturn(PETSC_SUCCESS);
   (void)snprintf(message, sizeof message, "the scheme has the transfer %.60s of its own; allowed: one of the two",
                  scene->own->transfer->name);
-  if (MpmSettingsSource(settings, "transfer") == MpmSettingsSource(settings, "scheme"))
-    PetscCall(MpmSettingsRefuse(settings, "transfer", message));
+  MpmSettingsRefuseIf(MpmSettingsSource(settings, "transfer") == MpmSettingsSource(settings, "scheme"), settings,
+                      "transfer", message);
   scene->scheme.transfer = scene->own->transfer;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -61,61 +61,48 @@ static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
   scene->scheme.transfer = MpmTransfers[i];
   PetscCall(ReadOwnTransfer(settings, scene));
   PetscCall(MpmSettingsWord(settings, "layout", &i));
-  scene->layout.name = MpmOptions[MpmOptionIndex("layout")].word(i);
-  PetscCall(MpmSettingsWord(settings, "balance", &i));
-  scene->layout.balance = (MpmBalance)i;
-  PetscCall(MpmSettingsWord(settings, "initial", &i));
-  scene->initial = (MpmInitial)i;
+  scene->layout.name = MpmFieldWord(&MpmOptions[MpmOptionIndex("layout")], i);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- scheme ---- */
 
 /* The names of all formulations that can do something, to be told in a message. */
-static PetscErrorCode Those(PetscBool (*can)(const MpmFormulation *), char names[], size_t room)
+static void Those(PetscBool (*can)(const MpmFormulation *), char names[], size_t room)
 {
-  PetscFunctionBegin;
   names[0] = '\0';
   for (PetscInt f = 0; MpmFormulations[f]; f++) {
     if (!can(MpmFormulations[f])) continue;
-    if (names[0]) PetscCall(MpmTextJoin(names, ", ", room));
-    PetscCall(MpmTextJoin(names, MpmFormulations[f]->name, room));
+    if (names[0]) MpmTextJoin(names, ", ", room);
+    MpmTextJoin(names, MpmFormulations[f]->name, room);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool CanBeAffine(const MpmFormulation *f)
-{
-  return f->affine != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool CanBeFree(const MpmFormulation *f)
-{
-  return f->free_ends;
-}
-
-static PetscBool HasImpose(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_IMPOSE);
-}
-
-static PetscBool CanReact(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_REACT);
-}
+/* clang-format off */
+#define CAN(function, condition) static PetscBool function(const MpmFormulation *f) { return (condition) ? PETSC_TRUE : PETSC_FALSE; }
+CAN(CanBeAffine, f->affine != MPM_NONE)
+CAN(CanBeFree, f->free_ends)
+CAN(CanDiffer, f->materials)
+CAN(CanReact, MpmFormulationHas(f, MPM_REACT))
+CAN(CanChooseFilter, MpmFormulationHas(f, MPM_FILTER_AFTER))
+CAN(HasFilter, MpmFormulationHas(f, MPM_FILTER) || MpmFormulationHas(f, MPM_FILTER_BEFORE) || MpmFormulationHas(f, MPM_FILTER_AFTER))
+CAN(HasImpose, MpmFormulationHas(f, MPM_IMPOSE))
+CAN(HasGradient, MpmFormulationHas(f, MPM_GRAD))
+/* the functions of open knot vectors are not equally far apart, so differences of their values are no Laplacian */
+CAN(TakesNoDifferences, !MpmFormulationHas(f, MPM_LAP))
+/* clang-format on */
 
 PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *scene, const char option[],
                                   PetscBool (*can)(const MpmFormulation *), const char why[])
 {
-  char names[256], message[512];
+  char names[256];
 
   PetscFunctionBegin;
   if (can(scene->scheme.formulation)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Those(can, names, sizeof names));
-  PetscCall(PetscSNPrintf(message, sizeof message, "%s has no %s; allowed: with formulation %s%s",
-                          scene->scheme.formulation->name, why, names,
-                          scene->written ? ", or a line for that in the scheme" : ""));
-  PetscCall(MpmSettingsRefuse(settings, option, message));
+  Those(can, names, sizeof names);
+  PetscCall(MpmSettingsRefuse(settings, option, "%s has no %s; allowed: with formulation %s%s",
+                              scene->scheme.formulation->name, why, names,
+                              scene->written ? ", or a line for that in the scheme" : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -136,20 +123,19 @@ static PetscBool FormulationReads(PetscInt i, const char option[])
 static PetscErrorCode CheckReads(const MpmSettings *settings, const char option[], const char of[], PetscBool has,
                                  PetscBool (*reads)(PetscInt, const char[]))
 {
-  const MpmField *words = &MpmOptions[MpmOptionIndex(of)];
-  char            message[128];
-  int             named = 0;
+  const MpmField *words        = &MpmOptions[MpmOptionIndex(of)];
+  char            message[128] = "";
+  int             named        = 0;
 
   PetscFunctionBegin;
   if (has || MpmSettingsSource(settings, option) == MPM_FROM_DEFAULT || MpmSettingsOverruled(settings, option, of))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(message, sizeof message, "allowed: only with %s ", of));
-  for (PetscInt i = 0; words->word(i); i++) {
+  for (PetscInt i = 0; MpmFieldWord(words, i); i++) {
     if (!reads(i, option)) continue;
-    if (named++) PetscCall(MpmTextJoin(message, " or ", sizeof message));
-    PetscCall(MpmTextJoin(message, words->word(i), sizeof message));
+    if (named++) MpmTextJoin(message, " or ", sizeof message);
+    MpmTextJoin(message, MpmFieldWord(words, i), sizeof message);
   }
-  PetscCall(MpmSettingsRefuse(settings, option, message));
+  PetscCall(MpmSettingsRefuse(settings, option, "allowed: only with %s %s", of, message));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -171,11 +157,6 @@ static PetscErrorCode CheckAllReads(const MpmSettings *settings, const MpmScheme
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool CanChooseFilter(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_FILTER_AFTER);
-}
-
 PetscBool MpmSceneChoosesFilter(const MpmScene *scene)
 {
   return CanChooseFilter(scene->scheme.formulation) && scene->scheme.transfer->filter ? PETSC_TRUE : PETSC_FALSE;
@@ -183,26 +164,12 @@ PetscBool MpmSceneChoosesFilter(const MpmScene *scene)
 
 static PetscErrorCode ReadFilterTime(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt i;
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsWord(settings, "pic_filter", &i));
-  scene->scheme.space.filter = (MpmFilterTime)i;
-  if (MpmSceneChoosesFilter(scene) || MpmSettingsSource(settings, "pic_filter") == MPM_FROM_DEFAULT ||
-      MpmSettingsOverruled(settings, "pic_filter", "formulation") ||
-      MpmSettingsOverruled(settings, "pic_filter", "transfer"))
+  if (MpmSceneChoosesFilter(scene) || !MpmSettingsStands(settings, "pic_filter", "formulation,transfer"))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsRequire(settings, scene, "pic_filter", CanChooseFilter, "choice, its filter acts after"));
   PetscCall(MpmSettingsRefuse(settings, "pic_filter", "flip has no filter; allowed: with another transfer"));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscBool HasFilter(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_FILTER) || MpmFormulationHas(f, MPM_FILTER_BEFORE) ||
-                 MpmFormulationHas(f, MPM_FILTER_AFTER)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
 }
 
 static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
@@ -222,12 +189,10 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode AppendWord(MpmScene *scene, const char between[], MpmEnd end)
+static void AppendWord(MpmScene *scene, const char between[], MpmEnd end)
 {
-  PetscFunctionBegin;
-  PetscCall(MpmTextJoin(scene->boundary, between, sizeof scene->boundary));
-  PetscCall(MpmTextJoin(scene->boundary, MpmEndNames[end], sizeof scene->boundary));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmTextJoin(scene->boundary, between, sizeof scene->boundary);
+  MpmTextJoin(scene->boundary, MpmEndNames[end], sizeof scene->boundary);
 }
 
 /* Refuses ends of direction a that the formulation has no condition for, and particles that would leave there. */
@@ -237,8 +202,8 @@ static PetscErrorCode CheckEnds(const MpmSettings *settings, const MpmScene *sce
   const MpmFraction *offset = &l->offset[a];
 
   PetscFunctionBegin;
-  if ((l->grid[a].ends[0] == MPM_PERIODIC) != (l->grid[a].ends[1] == MPM_PERIODIC))
-    PetscCall(MpmSettingsRefuse(settings, "boundary", "allowed: periodic at both ends or at none"));
+  MpmSettingsRefuseIf((l->grid[a].ends[0] == MPM_PERIODIC) != (l->grid[a].ends[1] == MPM_PERIODIC), settings,
+                      "boundary", "allowed: periodic at both ends or at none");
   for (int e = 0; e < 2; e++) {
     if (l->grid[a].ends[e] == MPM_FREE)
       PetscCall(MpmSettingsRequire(settings, scene, "boundary", CanBeFree,
@@ -261,17 +226,10 @@ static PetscErrorCode CheckEnds(const MpmSettings *settings, const MpmScene *sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The functions of open knot vectors are not equally far apart, so differences of their values are no Laplacian. */
-static PetscBool TakesNoDifferences(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_LAP) ? PETSC_FALSE : PETSC_TRUE;
-}
-
 /* Gives the scene its splines next to walls. Call it when the ends are known. */
 static PetscErrorCode ReadSplineEnds(const MpmSettings *settings, MpmScene *scene)
 {
-  const MpmLayout *l        = &scene->layout;
-  const PetscBool  periodic = MpmLayoutIsPeriodic(l);
+  const MpmLayout *l = &scene->layout;
   const MpmBasis  *basis;
   PetscInt         i;
 
@@ -280,23 +238,21 @@ static PetscErrorCode ReadSplineEnds(const MpmSettings *settings, MpmScene *scen
   PetscCall(MpmSettingsWord(settings, "spline_ends", &i));
   basis = MpmBasisWithEnds(scene->scheme.basis, (MpmSplineEnds)i);
   if (!MpmBasisWithEnds(scene->scheme.basis, MPM_SPLINES_OPEN)) {
-    if (!MpmSettingsOverruled(settings, "spline_ends", "basis"))
-      PetscCall(MpmSettingsRefuse(settings, "spline_ends", "allowed: only with basis quadratic or cubic"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "spline_ends", "basis", "allowed: only with basis quadratic or cubic"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (periodic) {
-    if (!MpmSettingsOverruled(settings, "spline_ends", "boundary"))
-      PetscCall(MpmSettingsRefuse(settings, "spline_ends",
-                                  "the domain is periodic and has no ends; allowed: only with another boundary"));
+  if (MpmLayoutIsPeriodic(l)) {
+    PetscCall(MpmSettingsRefuseUnless(settings, "spline_ends", "boundary",
+                                      "the domain is periodic and has no ends; allowed: only with another boundary"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (basis->spline_ends == MPM_SPLINES_OPEN)
     PetscCall(MpmSettingsRequire(settings, scene, "spline_ends", TakesNoDifferences,
                                  "differences of nodal values with open knot vectors"));
   for (PetscInt a = 0; a < l->dim; a++)
-    if (basis->spline_ends == MPM_SPLINES_OPEN && l->grid[a].cells < basis->wall_nodes)
-      PetscCall(MpmSettingsRefuse(settings, "spline_ends",
-                                  "the grid is too small for it; allowed: as many cells as the degree of the basis"));
+    MpmSettingsRefuseIf(basis->spline_ends == MPM_SPLINES_OPEN && l->grid[a].cells < basis->wall_nodes, settings,
+                        "spline_ends",
+                        "the grid is too small for it; allowed: as many cells as the degree of the basis");
   scene->scheme.basis = basis;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -307,11 +263,11 @@ static PetscErrorCode ReadBoundary(const MpmSettings *settings, MpmScene *scene)
   PetscInt   end[MPM_MAX_DIM][2];
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsEachEnds(settings, "boundary", l->dim, end));
+  PetscCall(MpmSettingsEnds(settings, "boundary", l->dim, end));
   for (PetscInt a = 0; a < l->dim; a++) {
     for (int e = 0; e < 2; e++) l->grid[a].ends[e] = scene->scheme.space.ends[a][e] = (MpmEnd)end[a][e];
-    PetscCall(AppendWord(scene, a ? "," : "", l->grid[a].ends[0]));
-    if (l->grid[a].ends[0] != MPM_PERIODIC) PetscCall(AppendWord(scene, l->dim == 1 ? "," : "-", l->grid[a].ends[1]));
+    AppendWord(scene, a ? "," : "", l->grid[a].ends[0]);
+    if (l->grid[a].ends[0] != MPM_PERIODIC) AppendWord(scene, l->dim == 1 ? "," : "-", l->grid[a].ends[1]);
   }
   PetscCall(ReadSplineEnds(settings, scene));
   for (PetscInt a = 0; a < l->dim; a++) {
@@ -331,72 +287,47 @@ static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   if (!MpmSettingsGiven(settings, "fill")) PetscFunctionReturn(PETSC_SUCCESS);
   if (l->counts.n > 1) {
-    if (!MpmSettingsOverruled(settings, "fill", "counts"))
-      PetscCall(MpmSettingsRefuse(settings, "fill", "allowed: with ppc (counts may be 0 where there is nothing)"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "fill", "counts",
+                                      "allowed: with ppc (counts may be 0 where there is nothing)"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmSettingsEachRange(settings, "fill", l->dim, range));
+  PetscCall(MpmSettingsRanges(settings, "fill", l->dim, range));
   l->particles = 1;
   for (PetscInt a = 0; a < l->dim; a++) {
     const PetscReal first = range[a][0] * l->ppc[a], end = range[a][1] * l->ppc[a];
 
-    if (!(first >= 0 && end <= (PetscReal)l->grid[a].cells * l->ppc[a] && end > first) ||
-        fabs(first - round(first)) > 1e-9 || fabs(end - round(end)) > 1e-9)
-      PetscCall(MpmSettingsRefuse(settings, "fill",
-                                  "allowed: cells lo,hi within 0 and cells, each a multiple of 1 / ppc, lo < hi"));
+    MpmSettingsRefuseIf(!(first >= 0 && end <= (PetscReal)l->grid[a].cells * l->ppc[a] && end > first) ||
+                            fabs(first - round(first)) > 1e-9 || fabs(end - round(end)) > 1e-9,
+                        settings, "fill",
+                        "allowed: cells lo,hi within 0 and cells, each a multiple of 1 / ppc, lo < hi");
     l->first[a] = (PetscInt64)round(first);
     l->row[a]   = (PetscInt64)round(end) - l->first[a];
     l->particles *= l->row[a];
   }
-  if (!l->particles)
-    PetscCall(MpmSettingsRefuse(settings, "fill",
-                                "there is no particle between them; allowed: cells lo,hi at least 1 / ppc apart"));
+  MpmSettingsRefuseIf(!l->particles, settings, "fill",
+                      "there is no particle between them; allowed: cells lo,hi at least 1 / ppc apart");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- gradient and Poisson's ratio ---- */
 
-static PetscBool HasGradient(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_GRAD);
-}
-
 static PetscErrorCode ReadSpace(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt i;
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsWord(settings, "gradient", &i));
-  scene->scheme.space.gradient = (MpmGradient)i;
   if (scene->scheme.space.gradient != MPM_GRADIENT_BASIS) {
     if (MpmSettingsOverruled(settings, "gradient", "formulation") && !HasGradient(scene->scheme.formulation))
       scene->scheme.space.gradient = MPM_GRADIENT_BASIS;
     else
       PetscCall(MpmSettingsRequire(settings, scene, "gradient", HasGradient, "gradient"));
   }
-  if (MpmSceneHasPoisson(scene) || MpmSettingsSource(settings, "poisson") == MPM_FROM_DEFAULT ||
-      MpmSettingsOverruled(settings, "poisson", "dim") || MpmSettingsOverruled(settings, "poisson", "formulation"))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsRefuse(
-      settings, "poisson", "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
+  if (!MpmSceneHasPoisson(scene))
+    PetscCall(MpmSettingsRefuseUnless(
+        settings, "poisson", "dim,formulation",
+        "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- material ---- */
-
-/* Refuses a number of a material when the scene has no such material. */
-static PetscErrorCode CheckMaterialReads(const MpmSettings *settings, const char option[], const char why[])
-{
-  PetscFunctionBegin;
-  if (MpmSettingsSource(settings, option) != MPM_FROM_DEFAULT && !MpmSettingsOverruled(settings, option, "material"))
-    PetscCall(MpmSettingsRefuse(settings, option, why));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscBool CanDiffer(const MpmFormulation *f)
-{
-  return f->materials;
-}
 
 static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
 {
@@ -406,7 +337,7 @@ static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   PetscCall(MpmSettingsRequire(settings, scene, "material", CanDiffer, "density and stiffness of each particle"));
   if (m->kind != MPM_MATERIAL_TWO)
-    PetscCall(CheckMaterialReads(settings, "inclusion", "allowed: only with material two"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "inclusion", "material", "allowed: only with material two"));
   for (PetscInt a = 0; a < l->dim; a++) {
     PetscReal *inclusion = m->inclusion[a];
 
@@ -414,8 +345,8 @@ static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
       inclusion[0] = a ? 0 : l->grid[a].cells / 2.0;
       inclusion[1] = l->grid[a].cells;
     }
-    if (!(inclusion[0] >= 0 && inclusion[0] < inclusion[1] && inclusion[1] <= l->grid[a].cells))
-      PetscCall(MpmSettingsRefuse(settings, "inclusion", "allowed: cells lo,hi within 0 and cells, lo < hi"));
+    MpmSettingsRefuseIf(!(inclusion[0] >= 0 && inclusion[0] < inclusion[1] && inclusion[1] <= l->grid[a].cells),
+                        settings, "inclusion", "allowed: cells lo,hi within 0 and cells, lo < hi");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -431,9 +362,11 @@ static PetscErrorCode ReadMaterial(const MpmSettings *settings, MpmScene *scene)
   if (scene->layout.material.kind != MPM_MATERIAL_UNIFORM)
     PetscCall(ReadRatios(settings, scene));
   else {
-    PetscCall(CheckMaterialReads(settings, "density_ratio", "allowed: only with material two or graded"));
-    PetscCall(CheckMaterialReads(settings, "stiffness_ratio", "allowed: only with material two or graded"));
-    PetscCall(CheckMaterialReads(settings, "inclusion", "allowed: only with material two"));
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "density_ratio", "material", "allowed: only with material two or graded"));
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "stiffness_ratio", "material", "allowed: only with material two or graded"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "inclusion", "material", "allowed: only with material two"));
     scene->layout.material = (MpmMaterial){.kind = MPM_MATERIAL_UNIFORM, .density = 1, .stiffness = 1};
   }
   varies[MPM_VOLUME]    = scene->layout.counts.n > 1 ? PETSC_TRUE : PETSC_FALSE;
@@ -494,45 +427,6 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
                            &scene->scheme.space, &scene->scheme.table));
   PetscCall(MpmSettingsReadInitial(settings, scene));
   PetscCall(CheckSizes(settings, scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Makes a scene from a file, or from text that messages call by a name. A refusal frees what there is, so that the caller can go on. */
-static PetscErrorCode FromYaml(const char path[], const char name[], const char yaml[], MpmScene **scene)
-{
-  MpmSettings   *settings = NULL;
-  PetscErrorCode ierr;
-
-  PetscFunctionBegin;
-  PetscCall(PetscNew(scene));
-  (*scene)->law = &MpmLawLinear;
-  ierr          = MpmSettingsCreate(&settings);
-  if (!ierr) ierr = path ? MpmSettingsReadScene(settings, path) : MpmSettingsReadText(settings, name, yaml);
-  if (!ierr) ierr = MpmSettingsReadProblem(settings, *scene);
-  PetscCall(MpmSettingsDestroy(&settings));
-  if (ierr) PetscCall(MpmSceneDestroy(scene));
-  PetscCall(ierr);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSceneFromNamedText(const char name[], const char yaml[], MpmScene **scene)
-{
-  PetscFunctionBegin;
-  PetscCall(FromYaml(NULL, name, yaml, scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSceneFromText(const char yaml[], MpmScene **scene)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmSceneFromNamedText("text", yaml, scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene)
-{
-  PetscFunctionBegin;
-  PetscCall(FromYaml(path, NULL, NULL, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

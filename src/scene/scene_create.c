@@ -33,24 +33,52 @@ static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmReque
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A refusal frees what there is, since a program such as the fuzzer reads one scene after another. */
-PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene, MpmRequest *request)
+/*
+   Makes a scene from a file, or from text that messages call by a name, and with a request from the command line, too. A
+   refusal frees what there is, since a program such as the fuzzer reads one scene after another.
+*/
+static PetscErrorCode Make(const char path[], const char name[], const char yaml[], MpmRequest *request,
+                           MpmScene **scene)
 {
   MpmSettings   *settings = NULL;
-  MpmRequest     unwanted;
   PetscErrorCode ierr;
 
   PetscFunctionBegin;
-  if (!request) request = &unwanted;
-  *request = (MpmRequest){.task = task};
   PetscCall(PetscNew(scene));
   (*scene)->law = &MpmLawLinear;
   ierr          = MpmSettingsCreate(&settings);
   if (!ierr && path) ierr = MpmSettingsReadScene(settings, path);
-  if (!ierr) ierr = MpmSettingsReadCommandLine(settings);
-  if (!ierr) ierr = ReadBoth(settings, scene, request);
+  if (!ierr && yaml) ierr = MpmSettingsReadText(settings, name, yaml);
+  if (!ierr && request) ierr = MpmSettingsReadCommandLine(settings);
+  if (!ierr) ierr = request ? ReadBoth(settings, scene, request) : MpmSettingsReadProblem(settings, *scene);
   PetscCall(MpmSettingsDestroy(&settings));
   if (ierr) PetscCall(MpmSceneDestroy(scene));
   PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene, MpmRequest *request)
+{
+  MpmRequest unwanted;
+
+  PetscFunctionBegin;
+  if (!request) request = &unwanted;
+  *request = (MpmRequest){.task = task};
+  PetscCall(Make(path, NULL, NULL, request, scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSceneFromNamedText(const char name[], const char yaml[], MpmScene **scene)
+{
+  return Make(NULL, name, yaml, NULL, scene);
+}
+
+PetscErrorCode MpmSceneFromText(const char yaml[], MpmScene **scene)
+{
+  return Make(NULL, "text", yaml, NULL, scene);
+}
+
+PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene)
+{
+  return Make(path, NULL, NULL, NULL, scene);
 }

@@ -51,22 +51,15 @@ static PetscBool LeavesStress(const MpmFormulation *f)
   return PETSC_TRUE;
 }
 
-static PetscBool HasProjected(const MpmFormulation *f)
-{
-  return MpmFormulationHas(f, MPM_MOVE_PROJECTED);
-}
-
 PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt  word;
-  PetscBool given = MpmSettingsGiven(settings, "gravity");
+  PetscInt word;
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "kinematics", &word));
   scene->scheme.space.finite = word ? PETSC_TRUE : PETSC_FALSE;
-  if (!word && given && !MpmSettingsOverruled(settings, "gravity", "kinematics"))
-    PetscCall(MpmSettingsRefuse(settings, "gravity", "allowed: only with kinematics finite"));
   if (!word) {
+    PetscCall(MpmSettingsRefuseUnless(settings, "gravity", "kinematics", "allowed: only with kinematics finite"));
     PetscCall(PetscArrayzero(scene->gravity, MPM_MAX_DIM));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -93,19 +86,17 @@ static PetscErrorCode SetRatio(const MpmSettings *settings, MpmScene *scene)
   if (scene->layout.dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(rivals) && given; i++) {
     if (MpmSettingsSource(settings, rivals[i]) == MPM_FROM_DEFAULT) continue;
-    if (!MpmSettingsOverruled(settings, "lame_ratio", rivals[i]))
-      PetscCall(MpmSettingsRefuse(settings, "lame_ratio",
-                                  "poisson, or bulk and shear, say it too with dim 2 or 3; allowed: one of them"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", rivals[i],
+                                      "poisson, or bulk and shear, say it too with dim 2 or 3; allowed: one of them"));
     given = PETSC_FALSE;
   }
   if (given) {
     scene->scheme.space.poisson = scene->lame_ratio / (2 * (1 + scene->lame_ratio));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (nu == 0.5)
-    PetscCall(MpmSettingsRefuse(settings, "poisson",
-                                "a solid at finite deformation resists a change of its shape; allowed: less than 0.5, "
-                                "or material tait, gas or polytropic"));
+  MpmSettingsRefuseIf(nu == 0.5, settings, "poisson",
+                      "a solid at finite deformation resists a change of its shape; allowed: less than 0.5, "
+                      "or material tait, gas or polytropic");
   scene->lame_ratio = 2 * nu / (1 - 2 * nu);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -141,30 +132,27 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "material", &word));
-  if (word > 0 && word < MPM_MATERIAL_KINDS)
-    PetscCall(MpmSettingsRefuse(settings, "material",
-                                "with kinematics finite all particles are of one material; allowed: uniform (linear in "
-                                "the stretch), neo, svk, tait, gas or polytropic"));
+  MpmSettingsRefuseIf(word > 0 && word < MPM_MATERIAL_KINDS, settings, "material",
+                      "with kinematics finite all particles are of one material; allowed: uniform (linear in "
+                      "the stretch), neo, svk, tait, gas or polytropic");
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "lame_ratio", scene->law->solid,
-                                              "allowed: only with material uniform, neo or svk"));
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "exponent", scene->law->exponent > 0,
-                                              "allowed: only with material tait or polytropic"));
-  if (MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT &&
-      !MpmSettingsOverruled(settings, "prestress", "kinematics"))
-    PetscCall(MpmSettingsRefuse(settings, "prestress",
-                                "with kinematics finite material and stretch give it; allowed: one of the two"));
+  if (!scene->law->solid)
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "lame_ratio", "material", "allowed: only with material uniform, neo or svk"));
+  if (!(scene->law->exponent > 0))
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "exponent", "material", "allowed: only with material tait or polytropic"));
+  PetscCall(MpmSettingsRefuseUnless(settings, "prestress", "kinematics",
+                                    "with kinematics finite material and stretch give it; allowed: one of the two"));
   PetscCall(PetscArrayzero(space->prestress, PETSC_STATIC_ARRAY_LENGTH(space->prestress)));
   if (scene->law->exponent > 0 && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law->exponent;
   if (scene->law->solid) PetscCall(SetRatio(settings, scene));
   space->material = MpmMaterialOfRatio(scene->law, scene->law->solid ? scene->lame_ratio : 0, scene->exponent);
   for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = space->stretch[a] = scene->stretch[a];
   modulus = ModulusAlongX(&space->material, dim, F);
-  if (!(modulus > 0) || !isfinite(modulus))
-    PetscCall(
-        MpmSettingsRefuse(settings, "stretch",
-                          "the material has no stiffness against more stretch there, so that waves have no speed; "
-                          "allowed: a stretch with a stress that rises"));
+  MpmSettingsRefuseIf(!(modulus > 0) || !isfinite(modulus), settings, "stretch",
+                      "the material has no stiffness against more stretch there, so that waves have no speed; "
+                      "allowed: a stretch with a stress that rises");
   space->stiffness = 1 / modulus;
   scene->wave_speed *= sqrt(modulus);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -181,42 +169,37 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   if (!MpmSettingsIsAlso(settings, "courant")) {
-    if (MpmSettingsGiven(settings, "safety") && !MpmSettingsOverruled(settings, "safety", "courant"))
-      PetscCall(MpmSettingsRefuse(settings, "safety", "allowed: only with courant auto"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "safety", "courant", "allowed: only with courant auto"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   scene->safety = less ? SAFETY_LESS : SAFETY;
   if (MpmSettingsGiven(settings, "safety")) PetscCall(MpmSettingsReal(settings, "safety", &scene->safety));
-  if (!scene->scheme.space.finite)
-    PetscCall(MpmSettingsRefuse(settings, "courant",
-                                "the speed of waves changes in a run with kinematics finite alone; allowed: a number, "
-                                "or kinematics finite ('mpmstab critical' finds the largest stable number)"));
+  MpmSettingsRefuseIf(!scene->scheme.space.finite, settings, "courant",
+                      "the speed of waves changes in a run with kinematics finite alone; allowed: a number, "
+                      "or kinematics finite ('mpmstab critical' finds the largest stable number)");
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     if (scene->step.drift[a].value != 0) moves = PETSC_TRUE;
   if (moves && MpmSettingsGiven(settings, "drift") && MpmSettingsSource(settings, "drift") != MPM_FROM_DEFAULT)
     PetscCall(MpmSettingsRefuse(
         settings, "drift", "with courant auto no step is known of which it is the way; allowed: velocity or mach"));
-  if (scene->stagger) PetscCall(MpmSettingsRefuse(settings, "stagger", "courant auto: steps differ; allowed: false"));
+  MpmSettingsRefuseIf(scene->stagger, settings, "stagger", "courant auto: steps differ; allowed: false");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt word;
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsWord(settings, "move", &word));
-  scene->scheme.space.move = (MpmMove)word;
-  if (word) PetscCall(MpmSettingsRequire(settings, scene, "move", HasProjected, "second P2G of the velocity"));
-  if (scene->scheme.transfer->same_as && MpmTransferFind(scene->scheme.transfer->same_as)->affine)
-    PetscCall(MpmSettingsRefuse(settings, "transfer",
-                                "it moves particles with a velocity of its own, which is not here; allowed: aflip, "
-                                "which is linearly the same, or another transfer"));
-  if (scene->initial == MPM_INITIAL_PULSE || scene->initial == MPM_INITIAL_STEP ||
-      scene->initial == MPM_INITIAL_EIGENMODE)
-    PetscCall(MpmSettingsRefuse(settings, "initial",
-                                "allowed with kinematics finite: mode, random, manufactured, vortex, simple_wave, "
-                                "shock_tube, collision or uniform"));
+  if (scene->scheme.space.move)
+    PetscCall(MpmSettingsRequire(settings, scene, "move", MpmFormulationIsProjected, "second P2G of the velocity"));
+  MpmSettingsRefuseIf(scene->scheme.transfer->same_as && MpmTransferFind(scene->scheme.transfer->same_as)->affine,
+                      settings, "transfer",
+                      "it moves particles with a velocity of its own, which is not here; allowed: aflip, "
+                      "which is linearly the same, or another transfer");
+  MpmSettingsRefuseIf(scene->initial == MPM_INITIAL_PULSE || scene->initial == MPM_INITIAL_STEP ||
+                          scene->initial == MPM_INITIAL_EIGENMODE,
+                      settings, "initial",
+                      "allowed with kinematics finite: mode, random, manufactured, vortex, simple_wave, "
+                      "shock_tube, collision or uniform");
   PetscCall(MpmSettingsReadSolution(settings, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

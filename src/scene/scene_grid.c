@@ -18,9 +18,8 @@ static PetscErrorCode ReadLengths(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->layout.dim; a++) {
     scene->length[a] = scene->cell_width * scene->layout.grid[a].cells;
-    if (!isnormal(scene->cell_width) || !isfinite(scene->length[a]))
-      PetscCall(MpmSettingsRefuse(settings, "cell_width",
-                                  "the domain's length is out of range; allowed: a number nearer to 1"));
+    MpmSettingsRefuseIf(!isnormal(scene->cell_width) || !isfinite(scene->length[a]), settings, "cell_width",
+                        "the domain's length is out of range; allowed: a number nearer to 1");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -29,7 +28,6 @@ static PetscErrorCode ReadLengths(const MpmSettings *settings, MpmScene *scene)
 static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
 {
   const MpmLayout *l = &scene->layout;
-  char             why[160];
 
   PetscFunctionBegin;
   scene->scheme.space.dim = l->dim;
@@ -38,8 +36,8 @@ static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   scene->cell_width = scene->length[0] / l->grid[0].cells;
-  if (!isnormal(scene->cell_width))
-    PetscCall(MpmSettingsRefuse(settings, "length", "cells of this length vanish; allowed: a larger length"));
+  MpmSettingsRefuseIf(!isnormal(scene->cell_width), settings, "length",
+                      "cells of this length vanish; allowed: a larger length");
   for (PetscInt a = 1; a < l->dim; a++) {
     const PetscReal width = scene->length[a] / l->grid[a].cells;
 
@@ -47,12 +45,10 @@ static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
       scene->length[a] = scene->cell_width * l->grid[a].cells;
       continue;
     }
-    PetscCall(PetscSNPrintf(why, sizeof why,
-                            "cells are %.6g wide in the first direction and %.6g in direction %" PetscInt_FMT
-                            "; allowed: the same width in all",
-                            scene->cell_width, width, a + 1));
-    if (!(fabs(width - scene->cell_width) <= SAME_WIDTH * scene->cell_width))
-      PetscCall(MpmSettingsRefuse(settings, "length", why));
+    MpmSettingsRefuseIf(!(fabs(width - scene->cell_width) <= SAME_WIDTH * scene->cell_width), settings, "length",
+                        "cells are %.6g wide in the first direction and %.6g in direction %" PetscInt_FMT
+                        "; allowed: the same width in all",
+                        scene->cell_width, width, a + 1);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -67,14 +63,12 @@ static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   if (MpmSettingsGiven(settings, "dt")) {
     scene->step.courant = scene->wave_speed * scene->dt / scene->cell_width;
-    if (!isnormal(scene->step.courant))
-      PetscCall(MpmSettingsRefuse(settings, MpmSettingsFarthest(settings, n, given),
-                                  "c dt / h is out of range; allowed: a finite Courant number"));
+    MpmSettingsRefuseIf(!isnormal(scene->step.courant), settings, MpmSettingsFarthest(settings, n, given),
+                        "c dt / h is out of range; allowed: a finite Courant number");
   } else {
     scene->dt = scene->step.courant * scene->cell_width / scene->wave_speed;
-    if (!isnormal(scene->dt))
-      PetscCall(MpmSettingsRefuse(settings, MpmSettingsFarthest(settings, n, given),
-                                  "dt = k h / c is out of range; allowed: a finite time step"));
+    MpmSettingsRefuseIf(!isnormal(scene->dt), settings, MpmSettingsFarthest(settings, n, given),
+                        "dt = k h / c is out of range; allowed: a finite time step");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -93,7 +87,7 @@ static PetscErrorCode Divisor(const MpmSettings *settings, const MpmScene *scene
   *divisor = (MpmFraction){.value = scene->wave_speed};
   for (int i = 0; i < 2; i++) {
     if (!MpmSettingsGiven(settings, names[i])) continue;
-    PetscCall(MpmSettingsEachFraction(settings, names[i], i && has_dt ? scene->layout.dim : 1, each));
+    PetscCall(MpmSettingsFractions(settings, names[i], i && has_dt ? scene->layout.dim : 1, each));
     *divisor = each[0];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -110,11 +104,10 @@ static PetscErrorCode DriftOf(const MpmSettings *settings, const MpmScene *scene
   const PetscBool   has_dt    = MpmSettingsGiven(settings, "dt");
   const char *const step      = has_dt ? "dt" : "courant";
   MpmFraction       factor[4] = {{.num = 1, .den = 1, .value = 1}}, over;
-  PetscBool         ok;
 
   PetscFunctionBegin;
   factor[1] = *velocity;
-  PetscCall(MpmFractionParse(MpmSettingsNumberText(settings, step), &factor[2], &ok));
+  (void)MpmFractionParse(MpmSettingsNumberText(settings, step), &factor[2]);
   if (has_dt && MpmSettingsGiven(settings, "length")) {
     const PetscInt cells = scene->layout.grid[0].cells;
 
@@ -124,8 +117,8 @@ static PetscErrorCode DriftOf(const MpmSettings *settings, const MpmScene *scene
   factor[3] = (MpmFraction){.num = over.den, .den = over.num, .value = 1 / over.value};
   *drift    = MpmFractionProduct(4, factor);
   if (!drift->den) *drift = MpmFractionNear(velocity->value * scene->dt / scene->cell_width, MPM_LONGEST_PERIOD);
-  if (!(PetscAbsReal(drift->value) <= MOST_DRIFT))
-    PetscCall(MpmSettingsRefuse(settings, "velocity", "allowed: at most 1e6 cells per step"));
+  MpmSettingsRefuseIf(!(PetscAbsReal(drift->value) <= MOST_DRIFT), settings, "velocity",
+                      "allowed: at most 1e6 cells per step");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -135,7 +128,7 @@ static PetscErrorCode ReadVelocity(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   if (!MpmSettingsGiven(settings, "velocity")) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsEachFraction(settings, "velocity", scene->layout.dim, velocity));
+  PetscCall(MpmSettingsFractions(settings, "velocity", scene->layout.dim, velocity));
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     PetscCall(DriftOf(settings, scene, &velocity[a], &scene->step.drift[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -147,9 +140,7 @@ static PetscErrorCode ReadVelocity(const MpmSettings *settings, MpmScene *scene)
 static PetscErrorCode OneDimensional(const MpmSettings *settings, const MpmScene *scene, const char option[])
 {
   PetscFunctionBegin;
-  if (scene->layout.dim > 1 && MpmSettingsSource(settings, option) != MPM_FROM_DEFAULT &&
-      !MpmSettingsOverruled(settings, option, "dim"))
-    PetscCall(MpmSettingsRefuse(settings, option, "allowed: only with dim 1"));
+  if (scene->layout.dim > 1) PetscCall(MpmSettingsRefuseUnless(settings, option, "dim", "allowed: only with dim 1"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -166,7 +157,7 @@ static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
   if (MpmSettingsGiven(settings, "counts") && l->dim == 1)
     PetscCall(MpmSettingsList(settings, "counts", MPM_MAX_COUNTS, &c->n, c->of));
   else {
-    PetscCall(MpmSettingsEachInteger(settings, "ppc", l->dim, ppc));
+    PetscCall(MpmSettingsIntegers(settings, "ppc", l->dim, ppc));
     for (PetscInt a = 0; a < l->dim; a++) l->ppc[a] = (PetscInt)ppc[a];
     c->of[0] = l->ppc[0];
   }
@@ -177,7 +168,7 @@ static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
   }
   l->row[0] = l->grid[0].cells / c->n * c->before[c->n] + c->before[l->grid[0].cells % c->n];
   for (PetscInt a = 1; a < l->dim; a++) l->row[a] = (PetscInt64)l->grid[a].cells * l->ppc[a];
-  if (!l->row[0]) PetscCall(MpmSettingsRefuse(settings, "counts", "there is no particle; allowed: at least one"));
+  MpmSettingsRefuseIf(!l->row[0], settings, "counts", "there is no particle; allowed: at least one");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -197,12 +188,11 @@ static PetscErrorCode ReadLayout(const MpmSettings *settings, MpmScene *scene)
                                 "cells times ppc is too large; allowed: at most 1073741823 particles"));
   l->sites = l->particles = (PetscInt64)sites;
   for (PetscInt a = 0; a < l->dim; a++) l->half_width[a] = 0.5 / l->ppc[a];
-  if (l->counts.n > 1 && scene->scheme.basis->wide)
-    PetscCall(MpmSettingsRefuse(settings, "counts",
-                                "particles of different width; allowed: with another basis than gimp, or ppc"));
+  MpmSettingsRefuseIf(l->counts.n > 1 && scene->scheme.basis->wide, settings, "counts",
+                      "particles of different width; allowed: with another basis than gimp, or ppc");
   PetscCall(OneDimensional(settings, scene, "cluster"));
-  if (!(l->cluster[0] >= 0 && l->cluster[1] <= 1))
-    PetscCall(MpmSettingsRefuse(settings, "cluster", "allowed: a part lo,hi of a cell, 0 <= lo <= hi <= 1"));
+  MpmSettingsRefuseIf(!(l->cluster[0] >= 0 && l->cluster[1] <= 1), settings, "cluster",
+                      "allowed: a part lo,hi of a cell, 0 <= lo <= hi <= 1");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

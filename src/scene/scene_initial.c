@@ -5,23 +5,19 @@
 /* asked: the initial data that the settings name. Where there is no such solution scene->initial has others. */
 static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmInitial asked, MpmScene *scene)
 {
-  const PetscBool lost =
-      asked != scene->initial && MpmSettingsOverruled(settings, "stagger", "boundary") ? PETSC_TRUE : PETSC_FALSE;
-
   PetscFunctionBegin;
   if (scene->stagger && scene->scheme.formulation->staggered == MPM_NONE) {
     scene->stagger = PETSC_FALSE;
-    if (!MpmSettingsOverruled(settings, "stagger", "formulation"))
-      PetscCall(MpmSettingsRefuse(settings, "stagger",
-                                  "no field of this formulation lags half a step; allowed: with those where one does"));
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "stagger", "formulation",
+                                "no field of this formulation lags half a step; allowed: with those where one does"));
   }
   if (scene->stagger && scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_PULSE &&
       !MpmSolutionOf(scene)) {
     scene->stagger = PETSC_FALSE;
-    if (!lost && !MpmSettingsOverruled(settings, "stagger", "initial"))
-      PetscCall(MpmSettingsRefuse(settings, "stagger",
-                                  "these data have no half step; allowed: with initial mode or pulse, or an exact "
-                                  "solution at finite strain"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "stagger", asked != scene->initial ? "boundary,initial" : "initial",
+                                      "these data have no half step; allowed: with initial mode or pulse, or an exact "
+                                      "solution at finite strain"));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -38,12 +34,12 @@ static PetscErrorCode ReadMode(const MpmSettings *settings, MpmScene *scene)
   PetscBool         fits = PETSC_TRUE, none = PETSC_TRUE;
 
   PetscFunctionBegin;
-  if (number && *end) PetscCall(MpmSettingsRefuse(settings, "mode", positive));
+  MpmSettingsRefuseIf(number && *end, settings, "mode", positive);
   if (number || !list)
-    PetscCall(MpmSettingsInteger(settings, "mode", mode));
+    PetscCall(MpmSettingsIntegers(settings, "mode", 1, mode));
   else
-    PetscCall(MpmSettingsEachInteger(settings, "mode", l->dim, mode));
-  if (number && mode[0] < 1) PetscCall(MpmSettingsRefuse(settings, "mode", positive));
+    PetscCall(MpmSettingsIntegers(settings, "mode", l->dim, mode));
+  MpmSettingsRefuseIf(number && mode[0] < 1, settings, "mode", positive);
   for (PetscInt a = 0; a < l->dim; a++) {
     const PetscBool  ends = l->grid[a].ends[0] != MPM_PERIODIC ? PETSC_TRUE : PETSC_FALSE;
     const PetscInt64 most = PetscMax(1, ends ? l->grid[a].cells : l->grid[a].cells / 2);
@@ -54,10 +50,9 @@ static PetscErrorCode ReadMode(const MpmSettings *settings, MpmScene *scene)
   }
   if (none && scene->initial != MPM_INITIAL_MODE) scene->mode[0] = 1; /* a scene's mode that is not read any more */
   if (scene->initial != MPM_INITIAL_MODE || (fits && !none)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (l->dim > 1)
-    PetscCall(MpmSettingsRefuse(settings, "mode",
-                                "allowed: one whole number for each direction, not all 0; from -cells / 2 to cells / 2 "
-                                "in a periodic direction, from 0 to cells between ends"));
+  MpmSettingsRefuseIf(l->dim > 1, settings, "mode",
+                      "allowed: one whole number for each direction, not all 0; from -cells / 2 to cells / 2 "
+                      "in a periodic direction, from 0 to cells between ends");
   PetscCall(MpmSettingsRefuse(settings, "mode",
                               MpmSceneIsPeriodic(scene) ? "allowed: a whole number from 1 to cells / 2"
                                                         : "allowed: a whole number from 1 to cells"));
@@ -66,30 +61,22 @@ static PetscErrorCode ReadMode(const MpmSettings *settings, MpmScene *scene)
 
 static PetscErrorCode ReadPolarisation(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt i;
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsWord(settings, "polarisation", &i));
-  scene->polarisation = (MpmPolarisation)i;
   if (MpmSettingsSource(settings, "polarisation") == MPM_FROM_DEFAULT) PetscFunctionReturn(PETSC_SUCCESS);
   if (!MpmSceneHasPoisson(scene)) {
     scene->polarisation = MPM_P_WAVE;
-    if (!MpmSettingsOverruled(settings, "polarisation", "dim") &&
-        !MpmSettingsOverruled(settings, "polarisation", "formulation"))
-      PetscCall(
-          MpmSettingsRefuse(settings, "polarisation",
-                            "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
+    PetscCall(MpmSettingsRefuseUnless(
+        settings, "polarisation", "dim,formulation",
+        "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
   }
   if (scene->initial != MPM_INITIAL_MODE) {
     scene->polarisation = MPM_P_WAVE;
-    if (!MpmSettingsOverruled(settings, "polarisation", "initial"))
-      PetscCall(MpmSettingsRefuse(settings, "polarisation", "allowed: only with initial mode"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "polarisation", "initial", "allowed: only with initial mode"));
   }
   if (scene->polarisation == MPM_S_WAVE && MpmSpaceIsFluid(&scene->scheme.space)) {
     scene->polarisation = MPM_P_WAVE;
-    if (!MpmSettingsOverruled(settings, "polarisation", "poisson"))
-      PetscCall(
-          MpmSettingsRefuse(settings, "polarisation", "a fluid has no S waves; allowed: p, or poisson below 0.5"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "polarisation", "poisson",
+                                      "a fluid has no S waves; allowed: p, or poisson below 0.5"));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -104,8 +91,7 @@ static PetscErrorCode FallBack(const MpmSettings *settings, MpmScene *scene, con
 
   PetscFunctionBegin;
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(options); i++)
-    if (MpmSettingsSource(settings, options[i]) != MPM_FROM_DEFAULT && !MpmSettingsOverruled(settings, options[i], by))
-      PetscCall(MpmSettingsRefuse(settings, options[i], why));
+    PetscCall(MpmSettingsRefuseUnless(settings, options[i], by, why));
   scene->initial = MPM_INITIAL_RANDOM;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -145,13 +131,11 @@ PetscErrorCode MpmSettingsReadInitial(const MpmSettings *settings, MpmScene *sce
   PetscCall(ReadMode(settings, scene));
   PetscCall(ReadPolarisation(settings, scene));
   PetscCall(CheckExact(settings, scene));
-  if (scene->initial == MPM_INITIAL_STEP &&
-      (!MpmEndIsFixed(scene->layout.grid[0].ends[0]) || scene->layout.grid[0].ends[1] != MPM_FREE))
-    PetscCall(
-        MpmSettingsRefuse(settings, "initial", "a load needs an end to act on; allowed: with boundary fixed,free"));
-  if (asked != MPM_INITIAL_MODE && asked != MPM_INITIAL_EIGENMODE &&
-      MpmSettingsSource(settings, "mode") != MPM_FROM_DEFAULT && !MpmSettingsOverruled(settings, "mode", "initial"))
-    PetscCall(MpmSettingsRefuse(settings, "mode", "allowed: only with initial mode or eigenmode"));
+  MpmSettingsRefuseIf(scene->initial == MPM_INITIAL_STEP &&
+                          (!MpmEndIsFixed(scene->layout.grid[0].ends[0]) || scene->layout.grid[0].ends[1] != MPM_FREE),
+                      settings, "initial", "a load needs an end to act on; allowed: with boundary fixed,free");
+  if (asked != MPM_INITIAL_MODE && asked != MPM_INITIAL_EIGENMODE)
+    PetscCall(MpmSettingsRefuseUnless(settings, "mode", "initial", "allowed: only with initial mode or eigenmode"));
   PetscCall(ReadStagger(settings, asked, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -25,13 +25,12 @@ static PetscErrorCode FromVolume(const MpmSettings *settings, MpmScene *scene)
   PetscReal               *to[1]   = {&tau};
 
   PetscFunctionBegin;
-  if (MpmSceneHasPoisson(scene) && scene->scheme.space.poisson != 0.5)
-    PetscCall(MpmSettingsRefuse(settings, "material",
-                                "it is a fluid, with a pressure alone; allowed: with poisson 0.5, or neo or svk"));
+  MpmSettingsRefuseIf(MpmSceneHasPoisson(scene) && scene->scheme.space.poisson != 0.5, settings, "material",
+                      "it is a fluid, with a pressure alone; allowed: with poisson 0.5, or neo or svk");
   for (PetscInt a = 0; a < scene->layout.dim; a++) J *= scene->stretch[a];
   modulus = MpmMaterialModulus(&numbers, 1, &J);
   MpmMaterialStress(&numbers, 1, 1, of, to);
-  if (!(modulus > 0) || !isfinite(tau / modulus)) PetscCall(MpmSettingsRefuse(settings, "stretch", stiff));
+  MpmSettingsRefuseIf(!(modulus > 0) || !isfinite(tau / modulus), settings, "stretch", stiff);
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     scene->scheme.space.prestress[MpmStressComponent(scene->layout.dim, a, a)] = tau / modulus;
   scene->wave_speed *= sqrt(modulus);
@@ -65,13 +64,10 @@ static PetscErrorCode FromSolid(const MpmSettings *settings, MpmScene *scene)
   PetscReal               *to[MPM_MAX_STRESS];
 
   PetscFunctionBegin;
-  if (nu == 0.5)
-    PetscCall(MpmSettingsRefuse(settings, "material",
-                                "with poisson 0.5 the material is a fluid; allowed: gas, tait or polytropic"));
-  if (!scene->law->stretched)
-    PetscCall(
-        MpmSettingsRefuse(settings, "material",
-                          "no linear scheme about a stretched state is known of it; allowed: with kinematics finite"));
+  MpmSettingsRefuseIf(nu == 0.5, settings, "material",
+                      "with poisson 0.5 the material is a fluid; allowed: gas, tait or polytropic");
+  MpmSettingsRefuseIf(!scene->law->stretched, settings, "material",
+                      "no linear scheme about a stretched state is known of it; allowed: with kinematics finite");
   for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = scene->stretch[a];
   for (PetscInt c = 0; c < dim * dim; c++) from[c] = &F[c];
   for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) to[c] = &tau[c];
@@ -79,7 +75,7 @@ static PetscErrorCode FromSolid(const MpmSettings *settings, MpmScene *scene)
   scene->law->stretched(&material, dim, scene->stretch, &space->lambda, &space->mu, space->squares);
   for (PetscInt a = 0; a < dim; a++) sigma[a] = tau[MpmStressComponent(dim, a, a)];
   M = (space->lambda + 2 * space->mu) * space->squares[0] * space->squares[0] + sigma[0];
-  if (!(LeastSpeed(space, dim, sigma) > 0) || !isfinite(M)) PetscCall(MpmSettingsRefuse(settings, "stretch", slow));
+  MpmSettingsRefuseIf(!(LeastSpeed(space, dim, sigma) > 0) || !isfinite(M), settings, "stretch", slow);
   for (PetscInt a = 0; a < dim; a++) space->prestress[MpmStressComponent(dim, a, a)] = sigma[a] / M;
   space->lambda /= M;
   space->mu /= M;
@@ -120,23 +116,20 @@ static PetscErrorCode FromStress(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   if (MpmSettingsSource(settings, "prestress") == MPM_FROM_DEFAULT) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsReals(settings, "prestress", MPM_MAX_STRESS, &n, number));
-  if (n != dim && n != all && !(n == 1 && number[0] == 0))
-    PetscCall(MpmSettingsRefuse(settings, "prestress",
-                                dim == 1 ? "allowed: one number"
-                                : dim == 2
-                                    ? "allowed: two numbers, sigma0 along x and y, or three, xx,xy,yy"
-                                    : "allowed: three numbers, sigma0 along x, y and z, or six, xx,xy,xz,yy,yz,zz"));
+  MpmSettingsRefuseIf(n != dim && n != all && !(n == 1 && number[0] == 0), settings, "prestress",
+                      dim == 1   ? "allowed: one number"
+                      : dim == 2 ? "allowed: two numbers, sigma0 along x and y, or three, xx,xy,yy"
+                                 : "allowed: three numbers, sigma0 along x, y and z, or six, xx,xy,xz,yy,yz,zz");
   for (PetscInt i = 0; i < n; i++) space->prestress[n == all ? i : MpmStressComponent(dim, i, i)] = number[i];
   if (!MpmSceneHasPoisson(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < dim; a++) space->squares[a] = 1;
   space->lambda = (1 - space->prestress[0]) * nu / (1 - nu);
   space->mu     = (1 - space->prestress[0]) * (1 - 2 * nu) / (2 * (1 - nu));
   Principal(dim, space->prestress, value);
-  if (nu == 0.5 && !IsHydrostatic(dim, space->prestress))
-    PetscCall(MpmSettingsRefuse(settings, "prestress",
-                                "with poisson 0.5 the material is a fluid, whose stress is the same in all directions; "
-                                "allowed: equal numbers without shear, or poisson below 0.5"));
-  if (nu < 0.5 && !(LeastSpeed(space, dim, value) > 0)) PetscCall(MpmSettingsRefuse(settings, "prestress", slow));
+  MpmSettingsRefuseIf(nu == 0.5 && !IsHydrostatic(dim, space->prestress), settings, "prestress",
+                      "with poisson 0.5 the material is a fluid, whose stress is the same in all directions; "
+                      "allowed: equal numbers without shear, or poisson below 0.5");
+  MpmSettingsRefuseIf(nu < 0.5 && !(LeastSpeed(space, dim, value) > 0), settings, "prestress", slow);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -147,21 +140,24 @@ PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "material", &word));
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "stretch", scene->law != &MpmLawLinear,
-                                              "allowed: only with material neo, svk, tait, gas or polytropic"));
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(
-      settings, "lame_ratio", scene->law == &MpmLawNeo && scene->layout.dim == 1,
-      scene->law == &MpmLawNeo ? "poisson says it with dim 2 or 3; allowed: only with dim 1"
-                               : "allowed: only with material neo"));
-  PetscCall(MpmSettingsRefuseNumberOfMaterial(settings, "exponent", scene->law->exponent > 0,
-                                              "allowed: only with material tait or polytropic"));
+  if (scene->law == &MpmLawLinear)
+    PetscCall(MpmSettingsRefuseUnless(settings, "stretch", "material",
+                                      "allowed: only with material neo, svk, tait, gas or polytropic"));
+  if (scene->law != &MpmLawNeo || scene->layout.dim > 1)
+    PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", "material",
+                                      scene->law == &MpmLawNeo
+                                          ? "poisson says it with dim 2 or 3; allowed: only with dim 1"
+                                          : "allowed: only with material neo"));
+  if (!(scene->law->exponent > 0))
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "exponent", "material", "allowed: only with material tait or polytropic"));
   if (scene->law == &MpmLawLinear) {
     PetscCall(FromStress(settings, scene));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (scene->law->exponent > 0 && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law->exponent;
-  if (MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT)
-    PetscCall(MpmSettingsRefuse(settings, "prestress", "material and stretch give it; allowed: one of the two"));
+  MpmSettingsRefuseIf(MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT, settings, "prestress",
+                      "material and stretch give it; allowed: one of the two");
   if (MpmSceneHasPoisson(scene) && scene->law->solid)
     PetscCall(FromSolid(settings, scene));
   else

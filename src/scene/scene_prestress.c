@@ -10,8 +10,7 @@ static PetscBool HasMove(const MpmFormulation *f)
   return MpmFormulationHas(f, MPM_MOVE);
 }
 
-/* Without MOVE_PROJECTED there is no second P2G. */
-static PetscBool HasProjected(const MpmFormulation *f)
+PetscBool MpmFormulationIsProjected(const MpmFormulation *f)
 {
   return MpmFormulationHas(f, MPM_MOVE_PROJECTED);
 }
@@ -19,7 +18,7 @@ static PetscBool HasProjected(const MpmFormulation *f)
 static PetscErrorCode Refuse(const MpmSettings *settings, const MpmScene *scene, const char why[])
 {
   PetscFunctionBegin;
-  PetscCall(MpmSettingsRefuse(settings, scene->law == &MpmLawLinear ? "prestress" : "material", why));
+  PetscCall(MpmSettingsRefuse(settings, scene->law == &MpmLawLinear ? "prestress" : "material", "%s", why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -117,20 +116,17 @@ static PetscErrorCode CheckTies(const MpmSettings *settings, const MpmScene *sce
 PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *scene)
 {
   MpmSpace *space = &scene->scheme.space;
-  PetscInt  i;
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsWord(settings, "move", &i));
-  space->move      = (MpmMove)i;
   space->curved    = scene->scheme.basis->kernel[MPM_CURVE] ? PETSC_TRUE : PETSC_FALSE;
   space->displaced = MpmSpaceIsPrestressed(space) && (space->curved || space->dim > 1) ? PETSC_TRUE : PETSC_FALSE;
   if (MpmSettingsSource(settings, "move") != MPM_FROM_DEFAULT) {
-    if (!space->displaced && !MpmSettingsOverruled(settings, "move", "basis"))
-      PetscCall(MpmSettingsRefuse(
-          settings, "move",
+    if (!space->displaced)
+      PetscCall(MpmSettingsRefuseUnless(
+          settings, "move", "basis",
           "nothing depends on it here; allowed: with a prestress, and with dim 1 another basis than linear"));
     if (space->move == MPM_MOVES_PROJECTED)
-      PetscCall(MpmSettingsRequire(settings, scene, "move", HasProjected, "second P2G of the velocity"));
+      PetscCall(MpmSettingsRequire(settings, scene, "move", MpmFormulationIsProjected, "second P2G of the velocity"));
   }
   if (!MpmSpaceIsPrestressed(space)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsRequire(settings, scene, scene->law == &MpmLawLinear ? "prestress" : "material", HasMove,

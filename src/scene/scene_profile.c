@@ -40,14 +40,12 @@ PetscInt MpmSceneExponent(const MpmScene *scene)
   return ilogb(largest);
 }
 
-PetscErrorCode MpmSceneCountsText(const MpmScene *scene, size_t room, char text[])
+void MpmSceneCountsText(const MpmScene *scene, size_t room, char text[])
 {
-  PetscFunctionBegin;
   text[0] = '\0';
   for (PetscInt r = 0; r < scene->layout.counts.n; r++) {
     const size_t used = strlen(text);
 
-    PetscCall(PetscSNPrintf(text + used, room - used, "%s%" PetscInt_FMT, r ? "," : "", scene->layout.counts.of[r]));
+    (void)snprintf(text + used, room - used, "%s%" PetscInt_FMT, r ? "," : "", scene->layout.counts.of[r]);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -12,45 +12,40 @@
 static const char *const moduli[] = {"young", "bulk", "shear"};
 
 /* Adds the name of an option to a list, unless it was given. */
-static PetscErrorCode AddMissing(const MpmSettings *settings, const char name[], size_t room, char list[])
+static void AddMissing(const MpmSettings *settings, const char name[], size_t room, char list[])
 {
-  PetscFunctionBegin;
-  if (MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT) PetscFunctionReturn(PETSC_SUCCESS);
-  if (list[0]) PetscCall(MpmTextJoin(list, " and ", room));
-  PetscCall(MpmTextJoin(list, name, room));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT) return;
+  if (list[0]) MpmTextJoin(list, " and ", room);
+  MpmTextJoin(list, name, room);
 }
 
 /* Refuses a modulus without the others that it needs; density and poisson have a meaning beside a wave speed, too. */
 static PetscErrorCode CheckComplete(const MpmSettings *settings, const MpmScene *scene, const char modulus[])
 {
   const PetscBool is_young    = MpmSettingsGiven(settings, "young");
-  char            missing[64] = "", why[256];
+  char            missing[64] = "";
 
   PetscFunctionBegin;
-  if (!is_young) PetscCall(AddMissing(settings, "bulk", sizeof missing, missing));
-  if (!is_young) PetscCall(AddMissing(settings, "shear", sizeof missing, missing));
-  if (is_young && scene->layout.dim > 1) PetscCall(AddMissing(settings, "poisson", sizeof missing, missing));
-  PetscCall(AddMissing(settings, "density", sizeof missing, missing));
+  if (!is_young) AddMissing(settings, "bulk", sizeof missing, missing);
+  if (!is_young) AddMissing(settings, "shear", sizeof missing, missing);
+  if (is_young && scene->layout.dim > 1) AddMissing(settings, "poisson", sizeof missing, missing);
+  AddMissing(settings, "density", sizeof missing, missing);
   if (!missing[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(why, sizeof why,
-                          "the wave speed needs %s besides; allowed: %s, bulk with shear and density, or sound_speed",
-                          missing, scene->layout.dim > 1 ? "young with poisson and density" : "young with density"));
-  PetscCall(MpmSettingsRefuse(settings, modulus, why));
+  PetscCall(MpmSettingsRefuse(
+      settings, modulus, "the wave speed needs %s besides; allowed: %s, bulk with shear and density, or sound_speed",
+      missing, scene->layout.dim > 1 ? "young with poisson and density" : "young with density"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A formulation without a stress, in more than one dimension, has a bulk modulus at most. */
 static PetscErrorCode CheckStress(const MpmSettings *settings, const MpmScene *scene, const char modulus[])
 {
-  char why[160];
 
   PetscFunctionBegin;
   if (scene->layout.dim == 1 || MpmSceneHasPoisson(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(why, sizeof why,
-                          "%s has no stress with dim %" PetscInt_FMT "; allowed: bulk with shear 0, or sound_speed",
-                          scene->scheme.formulation->name, scene->layout.dim));
-  PetscCall(MpmSettingsRefuse(settings, modulus, why));
+  PetscCall(MpmSettingsRefuse(settings, modulus,
+                              "%s has no stress with dim %" PetscInt_FMT "; allowed: bulk with shear 0, or sound_speed",
+                              scene->scheme.formulation->name, scene->layout.dim));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,10 +59,9 @@ static PetscErrorCode FromYoung(const MpmSettings *settings, const MpmScene *sce
   PetscCall(CheckComplete(settings, scene, "young"));
   if (scene->layout.dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
   nu = scene->scheme.space.poisson;
-  if (nu == 0.5)
-    PetscCall(MpmSettingsRefuse(settings, "poisson",
-                                "with young, the wave speed would be infinite; allowed: less than 0.5, or bulk with "
-                                "shear 0, or sound_speed"));
+  MpmSettingsRefuseIf(nu == 0.5, settings, "poisson",
+                      "with young, the wave speed would be infinite; allowed: less than 0.5, or bulk with "
+                      "shear 0, or sound_speed");
   *stiffness *= (1 - nu) / ((1 + nu) * (1 - 2 * nu));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -85,9 +79,8 @@ static PetscErrorCode FromBulkAndShear(const MpmSettings *settings, MpmScene *sc
   *stiffness = bulk + 4 * shear / 3;
   nu         = (3 - 2 * (shear / bulk)) / (2 * (3 + shear / bulk));
   if (!MpmSceneHasPoisson(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!(nu >= 0))
-    PetscCall(
-        MpmSettingsRefuse(settings, "shear", "Poisson's ratio would be below 0; allowed: at most 1.5 times bulk"));
+  MpmSettingsRefuseIf(!(nu >= 0), settings, "shear",
+                      "Poisson's ratio would be below 0; allowed: at most 1.5 times bulk");
   scene->scheme.space.poisson = nu;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -103,9 +96,9 @@ static PetscErrorCode FromModuli(const MpmSettings *settings, MpmScene *scene)
   else
     PetscCall(FromBulkAndShear(settings, scene, &stiffness));
   scene->wave_speed = sqrt(stiffness) / sqrt(scene->density);
-  if (!isnormal(scene->wave_speed))
-    PetscCall(MpmSettingsRefuse(settings, MpmSettingsFarthest(settings, PETSC_STATIC_ARRAY_LENGTH(given), given),
-                                "the wave speed is out of range with it; allowed: a number nearer to 1"));
+  MpmSettingsRefuseIf(!isnormal(scene->wave_speed), settings,
+                      MpmSettingsFarthest(settings, PETSC_STATIC_ARRAY_LENGTH(given), given),
+                      "the wave speed is out of range with it; allowed: a number nearer to 1");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -25,7 +25,7 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
     char name[64];
 
     if (*rival == ',') rival++;
-    PetscCall(PetscStrncpy(name, rival, strcspn(rival, ",") + 1));
+    (void)snprintf(name, strcspn(rival, ",") + 1, "%s", rival);
     PetscCall(MpmSettingsDisplace(settings, option, MpmOptionIndex(name), source));
   }
   PetscCall(PetscFree(settings->text[option]));
@@ -44,7 +44,7 @@ static PetscErrorCode ReadFrom(MpmSettings *settings, MpmOrigin source)
     const char *text;
     PetscBool   given;
 
-    PetscCall(PetscSNPrintf(key, sizeof key, "-%s", MpmOptions[i].name));
+    (void)snprintf(key, sizeof key, "-%s", MpmOptions[i].name);
     PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
     if (!given) continue;
     PetscCall(MpmSettingsPlace(MpmOptions[i].name, text, place));

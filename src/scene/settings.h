@@ -106,17 +106,29 @@ PetscErrorCode MpmSettingsCheckOutside(const char task[], const char scene[]);
 /* Collective. Refuses options that nothing has read; call when the task is done. */
 PetscErrorCode MpmSettingsCheckUnused(void);
 
-/* Collective. Ends with a message that names the option, its value, where it stands, and why it cannot be. */
-PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[]);
+/*
+   Collective. Ends with a message that names the option, its value, where it stands, and why it cannot be: a format of printf
+   and its arguments. MpmSettingsRefuseIf - does so if a condition holds.
+*/
+PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[], ...)
+    __attribute__((format(printf, 3, 4)));
+#define MpmSettingsRefuseIf(condition, ...)                                                                            \
+  do {                                                                                                                 \
+    if (condition) PetscCall(MpmSettingsRefuse(__VA_ARGS__));                                                          \
+  } while (0)
 
 /*
-   MpmSettingsRefuseNumberOfMaterial - refuses a number of a material that was given although the scene's material does
-   not read it. A key of a scene file whose material the command line has changed is let pass.
+   MpmSettingsStands       - whether an option was given, and has not lost its sense because a stronger source has given one
+                             of others, whose names have commas between them; not collective
+   MpmSettingsRefuseUnless - refuses one that stands so
+   MpmSettingsRefuseAny    - refuses each of a list that was given by a source that is as strong as least
 
-   Collective. read: whether the scene's material reads the option. why: what is allowed.
+   Collective.
 */
-PetscErrorCode MpmSettingsRefuseNumberOfMaterial(const MpmSettings *settings, const char name[], PetscBool read,
-                                                 const char why[]);
+PetscBool      MpmSettingsStands(const MpmSettings *settings, const char key[], const char by[]);
+PetscErrorCode MpmSettingsRefuseUnless(const MpmSettings *settings, const char key[], const char by[],
+                                       const char why[]);
+PetscErrorCode MpmSettingsRefuseAny(const MpmSettings *settings, MpmOrigin least, const char names[], const char why[]);
 
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
@@ -124,22 +136,17 @@ PetscErrorCode MpmSettingsRefuseNumberOfMaterial(const MpmSettings *settings, co
    List: whole numbers with commas between them, at most room. Reals: the same of real numbers. Words: the same of words,
    as their indices.
 
-   Each: the values of dim directions, which are one for all or one for each with commas between them. The Ends of
+   With dim: the values of so many directions, which are one for all or one for each with commas between them. The Ends of
    several directions have a hyphen between the two words of one: periodic,fixed-free.
 */
-PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value);
+PetscErrorCode MpmSettingsIntegers(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt64 value[]);
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value);
-PetscErrorCode MpmSettingsEachInteger(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt64 value[]);
-PetscErrorCode MpmSettingsEachReal(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal value[]);
-PetscErrorCode MpmSettingsEachFraction(const MpmSettings *settings, const char name[], PetscInt dim,
-                                       MpmFraction value[]);
-PetscErrorCode MpmSettingsEachRange(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal range[][2]);
-PetscErrorCode MpmSettingsEachEnds(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt index[][2]);
+PetscErrorCode MpmSettingsFractions(const MpmSettings *settings, const char name[], PetscInt dim, MpmFraction value[]);
+PetscErrorCode MpmSettingsRanges(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal range[][2]);
+PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt index[][2]);
 PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value);
 PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index);
-PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], PetscReal range[2]);
 PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], MpmFraction span[2]);
-PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2]);
 PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
                                PetscInt list[]);
 PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
@@ -147,6 +154,9 @@ PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], 
 PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
                                 PetscInt index[]);
 PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path);
+
+/* Not collective. Whether a text is two finite numbers or fractions lo,hi with lo < hi, and these. */
+PetscBool MpmSettingsParseSpan(const char text[], MpmFraction span[2]);
 
 /* Not collective. Whether an option has a value, who gave it, and the value as text. */
 PetscBool   MpmSettingsGiven(const MpmSettings *settings, const char name[]);
@@ -231,8 +241,8 @@ PetscErrorCode MpmSettingsReadProgramAxes(const MpmSettings *settings, MpmReques
 PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is);
 
 /* Not collective. Whether the files of a map have something of this name already, so that no axis may have it. */
-PetscBool      MpmSettingsIsOfMap(const char name[]);
-PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
+PetscBool MpmSettingsIsOfMap(const char name[]);
+void      MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
 
 /*
    Collective. Reads the wave speed of a scene, the Poisson's ratio that follows from bulk and shear modulus, and whether
@@ -284,6 +294,9 @@ PetscErrorCode MpmSettingsReadTangent(const MpmSettings *settings, const MpmScen
 */
 PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *scene, const char option[],
                                   PetscBool (*can)(const MpmFormulation *), const char what[]);
+
+/* Not collective. Whether a formulation has MOVE_PROJECTED, without which there is no second P2G. */
+PetscBool MpmFormulationIsProjected(const MpmFormulation *formulation);
 
 /*
    Collective. Reads the grid of a scene, where its particles are, the time step, and the drift unless mach is given. The

@@ -2,7 +2,6 @@
    Refuses options that do not exist and options that the task does not read, and says which options stand neither on the
    command line nor in the scene.
 */
-#include "base/suggest.h"
 #include "base/text.h"
 #include "scene/settings.h"
 #include "scene/settings_place.h"
@@ -19,19 +18,23 @@ static const char *const any[]   = {"log_",          "malloc",  "objects_",    "
                                     "check_pointer", "nodal_",  "skip_petscrc"};
 static const char *const slepc[] = {"eps_", "st_", "bv_", "ds_", "svd_"}, *const eigen[] = {"spectrum", "critical"};
 
+/* Whether a name begins with one of n others. */
+static PetscBool Begins(const char name[], size_t n, const char *const others[])
+{
+  for (size_t i = 0; i < n; i++)
+    if (!strncmp(name, others[i], strlen(others[i]))) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 static PetscErrorCode CheckLibrary(const char task[], const char name[], const char place[], PetscBool *is_theirs)
 {
   PetscFunctionBegin;
-  *is_theirs = PETSC_FALSE;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(any); i++)
-    if (!strncmp(name, any[i], strlen(any[i]))) *is_theirs = PETSC_TRUE;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(slepc); i++) {
-    if (strncmp(name, slepc[i], strlen(slepc[i]))) continue;
-    MpmCheckInput(!strcmp(task, eigen[0]) || !strcmp(task, eigen[1]),
-                  "-%.200s%s: task %s does not read it; allowed: with task %s or %s", name, place, task, eigen[0],
-                  eigen[1]);
-    *is_theirs = PETSC_TRUE;
-  }
+  *is_theirs = Begins(name, PETSC_STATIC_ARRAY_LENGTH(any), any);
+  if (!Begins(name, PETSC_STATIC_ARRAY_LENGTH(slepc), slepc)) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(!strcmp(task, eigen[0]) || !strcmp(task, eigen[1]),
+                "-%.200s%s: task %s does not read it; allowed: with task %s or %s", name, place, task, eigen[0],
+                eigen[1]);
+  *is_theirs = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,10 +42,8 @@ PetscBool MpmSettingsIsLibrary(const char name[])
 {
   static const char *const help[] = {"h", "help", "v", "version"};
 
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(any); i++)
-    if (!strncmp(name, any[i], strlen(any[i]))) return PETSC_TRUE;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(slepc); i++)
-    if (!strncmp(name, slepc[i], strlen(slepc[i]))) return PETSC_TRUE;
+  if (Begins(name, PETSC_STATIC_ARRAY_LENGTH(any), any)) return PETSC_TRUE;
+  if (Begins(name, PETSC_STATIC_ARRAY_LENGTH(slepc), slepc)) return PETSC_TRUE;
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(help); i++)
     if (!strcmp(name, help[i])) return PETSC_TRUE;
   return PETSC_FALSE;
@@ -51,15 +52,9 @@ PetscBool MpmSettingsIsLibrary(const char name[])
 /* place: where it stands, as MpmSettingsPlace says it; more: what the user has to know besides. */
 static PetscErrorCode RefuseUnknown(const char name[], const char place[], const char more[])
 {
-  const char *names[MPM_MAX_OPTIONS], *near;
-  PetscInt    n = 0;
+  const char *near = MpmOptionNear(name);
 
   PetscFunctionBegin;
-  while (MpmOptions[n].name) {
-    names[n] = MpmOptions[n].name;
-    n++;
-  }
-  near = MpmSuggest(name, n, names);
   if (MpmOptionCalledHere(name))
     MpmRefuse("unknown option -%.200s%s; it is called -%s here%s", name, place, MpmOptionCalledHere(name), more);
   if (near) MpmRefuse("unknown option -%.200s%s; did you mean -%s?%s", name, place, near, more);
@@ -94,8 +89,8 @@ static PetscBool IsKey(const char word[])
 static PetscErrorCode CheckTask(const char task[], const MpmField *option)
 {
   PetscFunctionBegin;
-  MpmCheckInput(!option->tasks || strstr(option->tasks, task), "-%s: task %s does not read it; allowed: with task %s",
-                option->name, task, option->tasks);
+  MpmCheckInput(MpmFieldIsOf(option, task), "-%s: task %s does not read it; allowed: with task %s", option->name, task,
+                option->tasks);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,7 +170,7 @@ PetscErrorCode MpmSettingsCheckOutside(const char task[], const char scene[])
   }
   for (int i = 0; i < MOST_PLACES && lines.place[i].text; i++) {
     MpmPrint("%s\n", lines.place[i].text);
-    PetscCall(MpmTextFree(&lines.place[i]));
+    MpmTextFree(&lines.place[i]);
   }
   PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -18,7 +18,7 @@ static PetscBool IsUsed(const MpmSettings *settings, const char task[], PetscInt
 {
   const MpmField *o = &MpmOptions[option];
 
-  return o->file == use && settings->text[option] && (!o->tasks || strstr(o->tasks, task)) ? PETSC_TRUE : PETSC_FALSE;
+  return o->file == use && settings->text[option] && MpmFieldIsOf(o, task) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscErrorCode ReadPath(const MpmSettings *settings, const char task[], const char name[], char path[])
@@ -29,8 +29,8 @@ static PetscErrorCode ReadPath(const MpmSettings *settings, const char task[], c
   PetscFunctionBegin;
   if (!IsUsed(settings, task, option, MpmOptions[option].file)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsPath(settings, name, &text));
-  if (strlen(text) >= LONGEST) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a shorter name"));
-  PetscCall(PetscStrncpy(path, text, LONGEST));
+  MpmSettingsRefuseIf(strlen(text) >= LONGEST, settings, name, "allowed: a shorter name");
+  (void)snprintf(path, LONGEST, "%s", text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -54,27 +54,22 @@ static PetscErrorCode ReadOutput(const MpmSettings *settings, MpmRequest *reques
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
   ending = Ending(path);
   length = (int)(ending ? (size_t)(ending - path) : strlen(path));
-  if (ending && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex("output")].endings))
-    PetscCall(MpmSettingsRefuse(settings, "output",
-                                "it is HDF5; allowed: a name that ends in .h5 or .hdf5, or has no ending"));
+  MpmSettingsRefuseIf(ending && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex("output")].endings), settings,
+                      "output", "it is HDF5; allowed: a name that ends in .h5 or .hdf5, or has no ending");
   if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (strpbrk(path, "<>&\":"))
-    PetscCall(MpmSettingsRefuse(settings, "output", "allowed: a name without < > & : and quotes"));
-  PetscCall(PetscSNPrintf(request->xmf, sizeof request->xmf, "%.*s.xmf", length, path));
+  MpmSettingsRefuseIf(strpbrk(path, "<>&\":"), settings, "output", "allowed: a name without < > & : and quotes");
+  (void)snprintf(request->xmf, sizeof request->xmf, "%.*s.xmf", length, path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The ending says in which format a matrix is written; blocks are arrays by name, which only some formats have. */
 static PetscErrorCode ReadWritten(const MpmSettings *settings, const char task[], const char name[], char path[])
 {
-  char why[128];
 
   PetscFunctionBegin;
   PetscCall(ReadPath(settings, task, name, path));
-  PetscCall(
-      PetscSNPrintf(why, sizeof why, "allowed: a name that ends in %s", MpmOptions[MpmOptionIndex(name)].endings));
-  if (path[0] && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex(name)].endings))
-    PetscCall(MpmSettingsRefuse(settings, name, why));
+  MpmSettingsRefuseIf(path[0] && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex(name)].endings), settings, name,
+                      "allowed: a name that ends in %s", MpmOptions[MpmOptionIndex(name)].endings);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -102,15 +97,15 @@ static PetscErrorCode FindInput(const MpmSettings *settings, const char task[], 
 
   PetscFunctionBegin;
   role[0] = '\0';
-  if (MpmFileIsSame(settings->scene, path)) PetscCall(PetscStrncpy(role, "scene", room));
+  if (MpmFileIsSame(settings->scene, path)) (void)snprintf(role, room, "%s", "scene");
   for (PetscInt i = 0; MpmOptions[i].name; i++)
     if (IsUsed(settings, task, i, MPM_FILE_READ) && MpmFileIsSame(settings->text[i], path))
-      PetscCall(PetscStrncpy(role, MpmOptions[i].name, room));
+      (void)snprintf(role, room, "%s", MpmOptions[i].name);
   if (MpmSettingsGiven(settings, "program") && HasWord(MpmSettingsText(settings, "program"), path))
-    PetscCall(PetscStrncpy(role, "program", room));
+    (void)snprintf(role, room, "%s", "program");
   for (int i = 0; there; i++) {
     PetscCall(MpmSettingsPlaceFile(i, sizeof file, file, &there));
-    if (there && MpmFileIsSame(file, path)) PetscCall(PetscStrncpy(role, "file of options", room));
+    if (there && MpmFileIsSame(file, path)) (void)snprintf(role, room, "%s", "file of options");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -125,12 +120,12 @@ static PetscErrorCode CheckWritten(const MpmSettings *settings, const MpmRequest
   for (PetscInt i = 0; i < n && !why[0]; i++) {
     for (PetscInt j = 0; j < i && !why[0]; j++)
       if (MpmFileIsSame(paths[j], paths[i]))
-        PetscCall(PetscSNPrintf(why, MESSAGE, "%s and %s would both write %s; allowed: different files", names[j],
-                                names[i], paths[j]));
+        (void)snprintf(why, MESSAGE, "%s and %s would both write %s; allowed: different files", names[j], names[i],
+                       paths[j]);
     if (why[0]) break;
     PetscCall(FindInput(settings, request->task, paths[i], sizeof role, role));
     if (role[0] && (strcmp(role, "restart") || strcmp(names[i], "checkpoint")))
-      PetscCall(PetscSNPrintf(why, MESSAGE, "-%s %s: that is the %s; allowed: another file", names[i], paths[i], role));
+      (void)snprintf(why, MESSAGE, "-%s %s: that is the %s; allowed: another file", names[i], paths[i], role);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -142,7 +137,6 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
   const char       *names[MPM_MAX_OPTIONS + 1], *paths[MPM_MAX_OPTIONS + 1];
   char              why[MESSAGE] = "";
   PetscInt          n            = 0;
-  PetscMPIInt       rank;
 
   PetscFunctionBegin;
   PetscCall(ReadOutput(settings, request));
@@ -162,8 +156,7 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
     names[n]   = "output";
     paths[n++] = request->xmf;
   }
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
-  if (rank == 0) PetscCall(CheckWritten(settings, request, n, names, paths, why));
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(CheckWritten(settings, request, n, names, paths, why));
   PetscCallMPI(MPI_Bcast(why, sizeof why, MPI_CHAR, 0, PETSC_COMM_WORLD));
   MpmCheckInput(!why[0], "%s", why);
   for (PetscInt i = 0; i < n; i++) PetscCall(MpmFileCheck(names[i], paths[i]));
@@ -176,34 +169,31 @@ PetscErrorCode MpmSettingsCheckTrust(const MpmSettings *settings)
 {
   static const char *const run[] = {"program", "plugin"};
 
-  char        why[256];
-  PetscBool   trusted;
-  int         here = 1;
-  PetscMPIInt rank;
+  PetscBool         trusted;
+  int               here = 1;
+  const PetscMPIInt rank = MpmRankOf(PETSC_COMM_WORLD);
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   for (PetscInt i = 0; MpmOptions[i].name; i++)
-    if (MpmOptions[i].no_key && settings->source[i] != MPM_FROM_DEFAULT && settings->source[i] != MPM_FROM_COMMAND_LINE)
-      PetscCall(MpmSettingsRefuse(settings, MpmOptions[i].name, "allowed: on the command line only"));
+    MpmSettingsRefuseIf(MpmOptions[i].no_key && settings->source[i] != MPM_FROM_DEFAULT &&
+                            settings->source[i] != MPM_FROM_COMMAND_LINE,
+                        settings, MpmOptions[i].name, "allowed: on the command line only");
   PetscCall(MpmSettingsSwitch(settings, "trust_scene", &trusted));
   if (trusted) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(run); i++)
-    if (MpmSettingsSource(settings, run[i]) == MPM_FROM_SCENE)
-      PetscCall(MpmSettingsRefuse(settings, run[i],
-                                  "a scene that is read runs nothing; allowed: on the command line, or with "
-                                  "-trust_scene if you trust who wrote the scene"));
+    MpmSettingsRefuseIf(MpmSettingsSource(settings, run[i]) == MPM_FROM_SCENE, settings, run[i],
+                        "a scene that is read runs nothing; allowed: on the command line, or with "
+                        "-trust_scene if you trust who wrote the scene");
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
     const MpmField *o = &MpmOptions[i];
 
     if (o->file != MPM_FILE_WRITTEN || settings->source[i] != MPM_FROM_SCENE) continue;
     if (rank == 0) here = MpmFileIsHere(settings->text[i]) && MpmFileHasEnding(settings->text[i], o->endings);
     PetscCallMPI(MPI_Bcast(&here, 1, MPI_INT, 0, PETSC_COMM_WORLD));
-    PetscCall(PetscSNPrintf(why, sizeof why,
-                            "a scene may write to the current folder and below it; allowed: a name there that ends in "
-                            "%s and is not hidden; any on the command line, or with -trust_scene",
-                            o->endings));
-    if (!here) PetscCall(MpmSettingsRefuse(settings, o->name, why));
+    MpmSettingsRefuseIf(!here, settings, o->name,
+                        "a scene may write to the current folder and below it; allowed: a name there that ends in "
+                        "%s and is not hidden; any on the command line, or with -trust_scene",
+                        o->endings);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

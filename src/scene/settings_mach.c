@@ -13,9 +13,9 @@ PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, Mp
   PetscFunctionBegin;
   *mach = (MpmMach){.dim = dim, .unit = {.den = 1}};
   if (!MpmSettingsGiven(settings, "mach")) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsEachFraction(settings, "mach", dim, number));
-  PetscCall(MpmMachCreate(dim, number, mach, &ok));
-  if (!ok) PetscCall(MpmSettingsRefuse(settings, "mach", "allowed: numbers of at most 15 digits, or fractions"));
+  PetscCall(MpmSettingsFractions(settings, "mach", dim, number));
+  MpmMachCreate(dim, number, mach, &ok);
+  MpmSettingsRefuseIf(!ok, settings, "mach", "allowed: numbers of at most 15 digits, or fractions");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -29,7 +29,7 @@ static PetscErrorCode OneOf(const MpmSettings *settings, const char name[], cons
   PetscFunctionBegin;
   *fraction = (MpmFraction){.value = number};
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsEachFraction(settings, given, 1, each));
+  PetscCall(MpmSettingsFractions(settings, given, 1, each));
   *fraction = each[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -51,9 +51,9 @@ static PetscErrorCode CourantOf(const MpmSettings *settings, const MpmScene *sce
   PetscCall(OneOf(settings, "wave_speed", "sound_speed", scene->wave_speed, &factor[0]));
   PetscCall(OneOf(settings, "dt", "dt", scene->dt, &factor[1]));
   if (MpmSettingsGiven(settings, "cell_width"))
-    PetscCall(MpmSettingsEachFraction(settings, "cell_width", 1, width));
+    PetscCall(MpmSettingsFractions(settings, "cell_width", 1, width));
   else
-    PetscCall(MpmSettingsEachFraction(settings, "length", scene->layout.dim, width));
+    PetscCall(MpmSettingsFractions(settings, "length", scene->layout.dim, width));
   factor[3] = (MpmFraction){width[0].den, width[0].num, 1 / width[0].value};
   *courant  = MpmFractionProduct(4, factor);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -73,8 +73,8 @@ PetscErrorCode MpmSettingsMachDrift(const MpmSettings *settings, MpmScene *scene
   if (!part.den) part = MpmFractionNear(mach.unit.value * scene->step.courant, MPM_LONGEST_PERIOD);
   MpmMachDrift(&mach, &part, scene->step.drift);
   for (PetscInt a = 0; a < scene->layout.dim; a++)
-    if (!(PetscAbsReal(scene->step.drift[a].value) <= MOST_DRIFT))
-      PetscCall(MpmSettingsRefuse(settings, "mach", "allowed: at most 1e6 cells per step"));
+    MpmSettingsRefuseIf(!(PetscAbsReal(scene->step.drift[a].value) <= MOST_DRIFT), settings, "mach",
+                        "allowed: at most 1e6 cells per step");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -83,7 +83,7 @@ PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScen
   const PetscReal part = mach->unit.value * scene->step.courant;
   MpmFraction     near, courant;
   PetscInt64      common = 1;
-  char            why[256], over[32];
+  char            over[32];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < scene->layout.dim; a++) {
@@ -96,12 +96,11 @@ PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScen
   near = MpmFractionNearest(part, MPM_LONGEST_PERIOD);
   if (!near.num) near = (MpmFraction){1, MPM_LONGEST_PERIOD, 1.0 / MPM_LONGEST_PERIOD};
   courant = MpmMachCourant(mach, &near);
-  PetscCall(PetscSNPrintf(over, sizeof over, courant.den == 1 ? "" : "/%" PetscInt64_FMT, courant.den));
+  (void)snprintf(over, sizeof over, courant.den == 1 ? "" : "/%" PetscInt64_FMT, courant.den);
   PetscCall(
-      PetscSNPrintf(why, sizeof why,
-                    "at Courant number %.10g particles are not back in their places within %d steps; allowed: the "
-                    "nearest Courant number is %" PetscInt64_FMT "%s ('mpmstab run' takes any)",
-                    scene->step.courant, MPM_LONGEST_PERIOD, courant.num, over));
-  PetscCall(MpmSettingsRefuse(settings, "mach", why));
+      MpmSettingsRefuse(settings, "mach",
+                        "at Courant number %.10g particles are not back in their places within %d steps; allowed: the "
+                        "nearest Courant number is %" PetscInt64_FMT "%s ('mpmstab run' takes any)",
+                        scene->step.courant, MPM_LONGEST_PERIOD, courant.num, over));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -9,19 +9,17 @@
 static const char map[] = "map_", separators[] = ", ";
 
 /* The two words of map_axes, or fewer. */
-static PetscErrorCode Words(const char text[], PetscInt *n, MpmAxis axes[2], PetscBool *fit)
+static void Words(const char text[], PetscInt *n, MpmAxis axes[2], PetscBool *fit)
 {
-  PetscFunctionBegin;
   *fit = PETSC_TRUE;
   for (*n = 0; text && *text; ++*n) {
     const size_t length = strcspn(text, separators);
 
     if (*n == 2 || length == 0 || length >= sizeof axes[0].name) *fit = PETSC_FALSE;
     if (!*fit) break;
-    PetscCall(PetscStrncpy(axes[*n].name, text, length + 1));
+    (void)snprintf(axes[*n].name, length + 1, "%s", text);
     text += length + strspn(text + length, separators);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Whether it is a code that is mapped is known later: map_axes of a scene allows no word that is not its own. */
@@ -37,7 +35,7 @@ PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is)
   if (strncmp(name, map, strlen(map))) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscOptionsFindPair(NULL, NULL, "-map_axes", &text, &given));
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Words(text, &n, axes, &fit));
+  Words(text, &n, axes, &fit);
   for (PetscInt i = 0; i < n; i++)
     if (!strcmp(axes[i].name, name + strlen(map))) *is = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -45,23 +43,20 @@ PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is)
 
 static PetscErrorCode ReadSpan(MpmAxis *axis)
 {
-  char        key[64], place[MPM_PLACE_TEXT], first[64];
-  const char *text, *comma;
-  PetscBool   given, ok = PETSC_FALSE;
+  char        key[64], place[MPM_PLACE_TEXT];
+  const char *text;
+  MpmFraction span[2];
+  PetscBool   given;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(key, sizeof key, "-%s%s", map, axis->name));
+  (void)snprintf(key, sizeof key, "-%s%s", map, axis->name);
   PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
   MpmCheckInput(given, "-map_axes %s: the span of that axis is missing; allowed: with %s lo,hi", axis->name, key);
   PetscCall(MpmSettingsPlace(key + 1, text, place));
-  comma = text ? strchr(text, ',') : NULL;
-  if (comma && comma - text < (ptrdiff_t)sizeof first) {
-    PetscCall(PetscStrncpy(first, text, (size_t)(comma - text) + 1));
-    PetscCall(MpmFractionParse(first, &axis->from, &ok));
-    if (ok) PetscCall(MpmFractionParse(comma + 1, &axis->to, &ok));
-  }
-  MpmCheckInput(ok && isfinite(axis->from.value) && isfinite(axis->to.value) && axis->from.value < axis->to.value,
+  MpmCheckInput(text && MpmSettingsParseSpan(text, span),
                 "%s %.200s%s: allowed: two numbers or fractions lo,hi with lo < hi", key, text ? text : "", place);
+  axis->from = span[0];
+  axis->to   = span[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -74,9 +69,8 @@ static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *
 
     if (MpmOptions[i].kind != MPM_SPAN || !strcmp(name, request->axes[0].name) || !strcmp(name, request->axes[1].name))
       continue;
-    if (settings->source[i] != MPM_FROM_DEFAULT)
-      PetscCall(MpmSettingsRefuse(settings, MpmOptions[i].name,
-                                  "map_axes does not name it; allowed: with a parameter of the code of that name"));
+    MpmSettingsRefuseIf(settings->source[i] != MPM_FROM_DEFAULT, settings, MpmOptions[i].name,
+                        "map_axes does not name it; allowed: with a parameter of the code of that name");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -92,11 +86,11 @@ PetscErrorCode MpmSettingsReadProgramAxes(const MpmSettings *settings, MpmReques
       MpmSettingsSource(settings, "map_axes") != MPM_FROM_DEFAULT,
       "map of a code: map_axes is missing; allowed: -map_axes with two parameters that the code names, such as "
       "dt,E, and a span for each, as -map_dt lo,hi");
-  PetscCall(Words(MpmSettingsText(settings, "map_axes"), &n, request->axes, &fit));
-  if (!fit || n != 2 || !strcmp(request->axes[0].name, request->axes[1].name))
-    PetscCall(MpmSettingsRefuse(settings, "map_axes", allowed));
+  Words(MpmSettingsText(settings, "map_axes"), &n, request->axes, &fit);
+  MpmSettingsRefuseIf(!fit || n != 2 || !strcmp(request->axes[0].name, request->axes[1].name), settings, "map_axes",
+                      allowed);
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
-  if (n != 2) PetscCall(MpmSettingsRefuse(settings, "map_points", "allowed: two whole numbers, one for each axis"));
+  MpmSettingsRefuseIf(n != 2, settings, "map_points", "allowed: two whole numbers, one for each axis");
   for (int a = 0; a < 2; a++) {
     MpmAxis *axis = &request->axes[a];
 

@@ -27,21 +27,18 @@ static const struct {
 /* Whether an option was given and this task reads it. A scene file may have those of other tasks. */
 static PetscBool IsSaid(const MpmSettings *settings, const char task[], PetscInt i)
 {
-  const char *tasks = MpmOptions[i].tasks;
-
-  return settings->source[i] != MPM_FROM_DEFAULT && (!tasks || strstr(tasks, task)) ? PETSC_TRUE : PETSC_FALSE;
+  return settings->source[i] != MPM_FROM_DEFAULT && MpmFieldIsOf(&MpmOptions[i], task) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscErrorCode CheckNeeds(const MpmSettings *settings, const char task[], const char source[])
 {
-  char why[128];
 
   PetscFunctionBegin;
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(needs); i++) {
     if (!IsSaid(settings, task, MpmOptionIndex(needs[i].name))) continue;
     if (source && (!strcmp(source, needs[i].first) || !strcmp(source, needs[i].second))) continue;
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: only with %s or %s", needs[i].first, needs[i].second));
-    PetscCall(MpmSettingsRefuse(settings, needs[i].name, why));
+    PetscCall(
+        MpmSettingsRefuse(settings, needs[i].name, "allowed: only with %s or %s", needs[i].first, needs[i].second));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -56,20 +53,19 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
     const char *reads = MpmOptions[MpmOptionIndex(sources[s])].tasks;
 
     if (!MpmSettingsGiven(settings, sources[s])) continue;
-    PetscCall(PetscSNPrintf(why, sizeof why, "task %s does not read it; allowed: with task %s", task, reads));
-    if (!strstr(reads, task)) PetscCall(MpmSettingsRefuse(settings, sources[s], why));
-    PetscCall(PetscSNPrintf(why, sizeof why, "%s takes the place of a scene too; allowed: one of them", source));
-    if (source) PetscCall(MpmSettingsRefuse(settings, sources[s], why));
+    MpmSettingsRefuseIf(!MpmFieldIsOf(&MpmOptions[MpmOptionIndex(sources[s])], task), settings, sources[s],
+                        "task %s does not read it; allowed: with task %s", task, reads);
+    MpmSettingsRefuseIf(source, settings, sources[s], "%s takes the place of a scene too; allowed: one of them",
+                        source);
     source = sources[s];
   }
   *named = source ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(CheckNeeds(settings, task, source));
   if (!source) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(why, sizeof why,
-                          "it describes a scene, and %s takes the place of a scene; allowed: one of them", source));
+  (void)snprintf(why, sizeof why, "it describes a scene, and %s takes the place of a scene; allowed: one of them",
+                 source);
   for (PetscInt i = 0; MpmOptions[i].name; i++)
-    if (IsSaid(settings, task, i) && !MpmOptions[i].of_matrix)
-      PetscCall(MpmSettingsRefuse(settings, MpmOptions[i].name, why));
+    MpmSettingsRefuseIf(IsSaid(settings, task, i) && !MpmOptions[i].of_matrix, settings, MpmOptions[i].name, "%s", why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -78,10 +74,10 @@ static PetscErrorCode ReadText(const MpmSettings *settings, const char task[], c
   const char *given = MpmSettingsText(settings, name);
 
   PetscFunctionBegin;
-  if (!given || !strstr(MpmOptions[MpmOptionIndex(name)].tasks, task)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!given[0]) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a text that is not empty"));
-  if (strlen(given) >= LONGEST) PetscCall(MpmSettingsRefuse(settings, name, "allowed: a shorter text"));
-  PetscCall(PetscStrncpy(text, given, LONGEST));
+  if (!given || !MpmFieldIsOf(&MpmOptions[MpmOptionIndex(name)], task)) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmSettingsRefuseIf(!given[0], settings, name, "allowed: a text that is not empty");
+  MpmSettingsRefuseIf(strlen(given) >= LONGEST, settings, name, "allowed: a shorter text");
+  (void)snprintf(text, LONGEST, "%s", given);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,29 +93,26 @@ PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *r
   PetscCall(ReadText(settings, task, "program_dt", request->program_dt));
   PetscCall(ReadText(settings, task, "at", request->at));
   PetscCall(ReadText(settings, task, "compare", request->compare));
-  if (request->program_dt[0] && strcmp(task, "critical") && !request->compare[0])
-    PetscCall(MpmSettingsRefuse(settings, "program_dt", "allowed: with task critical, or with compare"));
-  if (request->compare[0] && request->at[0])
-    PetscCall(
-        MpmSettingsRefuse(settings, "compare", "it is about the state that the code describes; allowed: without at"));
+  MpmSettingsRefuseIf(request->program_dt[0] && strcmp(task, "critical") && !request->compare[0], settings,
+                      "program_dt", "allowed: with task critical, or with compare");
+  MpmSettingsRefuseIf(request->compare[0] && request->at[0], settings, "compare",
+                      "it is about the state that the code describes; allowed: without at");
   if (MpmSettingsGiven(settings, "probe")) PetscCall(MpmSettingsWord(settings, "probe", &kind));
   request->probe = (MpmProbeKind)kind;
-  if (!strcmp(task, "symbol") && (request->probe == MPM_PROBE_COLOURED || request->probe == MPM_PROBE_MATRIX_FREE))
-    PetscCall(MpmSettingsRefuse(settings, "probe", "a symbol needs cells that are alike; allowed: bloch"));
-  if (!strcmp(task, "spectrum") && request->probe == MPM_PROBE_BLOCH)
-    PetscCall(MpmSettingsRefuse(settings, "probe",
-                                "a spectrum is of all particles; allowed: coloured or matrix_free, or task symbol"));
+  MpmSettingsRefuseIf(!strcmp(task, "symbol") &&
+                          (request->probe == MPM_PROBE_COLOURED || request->probe == MPM_PROBE_MATRIX_FREE),
+                      settings, "probe", "a symbol needs cells that are alike; allowed: bloch");
+  MpmSettingsRefuseIf(!strcmp(task, "spectrum") && request->probe == MPM_PROBE_BLOCH, settings, "probe",
+                      "a spectrum is of all particles; allowed: coloured or matrix_free, or task symbol");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsPhases(const MpmSettings *settings, PetscInt *given)
+void MpmSettingsPhases(const MpmSettings *settings, PetscInt *given)
 {
   const char *text = MpmSettingsText(settings, "phases");
 
-  PetscFunctionBegin;
   *given = text ? 1 : 0;
   for (; text && *text; text++) *given += *text == ',';
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmRequestPhases(const MpmRequest *request, PetscInt dim, PetscInt phases[])

@@ -28,34 +28,6 @@ static PetscBool FillsSpace(const MpmScene *scene)
   return MpmSceneIsPhysical(scene) && MpmLayoutIsUniform(&scene->layout) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Refuses what only neighbourhood random reads, of the tasks that have one. */
-static PetscErrorCode CheckRandom(const MpmSettings *settings, const MpmRequest *request)
-{
-  static const char *const random[] = {"voids", "layouts"};
-
-  PetscFunctionBegin;
-  if (strcmp(request->task, "critical") && strcmp(request->task, "spectrum")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (request->neighbourhood[MPM_AT_RANDOM]) PetscFunctionReturn(PETSC_SUCCESS);
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(random); i++)
-    if (MpmSettingsSource(settings, random[i]) == MPM_FROM_COMMAND_LINE)
-      PetscCall(MpmSettingsRefuse(settings, random[i], "allowed: with neighbourhood random"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Refuses what is of the bulk where the bulk is not looked at. */
-static PetscErrorCode CheckBulk(const MpmSettings *settings, const MpmRequest *request)
-{
-  static const char *const bulk[] = {"csv",   "output",  "powers", "pseudospectrum",
-                                     "modes", "measure", "nodal",  "write_matrix"};
-
-  PetscFunctionBegin;
-  if (request->neighbourhood[MPM_IN_BULK]) PetscFunctionReturn(PETSC_SUCCESS);
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(bulk); i++)
-    if (MpmSettingsSource(settings, bulk[i]) == MPM_FROM_COMMAND_LINE)
-      PetscCall(MpmSettingsRefuse(settings, bulk[i], "it is of the bulk; allowed: with neighbourhood bulk"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   const PetscBool critical = !strcmp(request->task, "critical") ? PETSC_TRUE : PETSC_FALSE;
@@ -65,15 +37,19 @@ PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const 
   PetscFunctionBegin;
   if (reads && MpmSettingsGiven(settings, "neighbourhood"))
     PetscCall(MpmSettingsWords(settings, "neighbourhood", MPM_NEIGHBOURHOODS + 1, &n, word));
-  if (n && request->survey)
-    PetscCall(MpmSettingsRefuse(settings, "neighbourhood", "a survey is of the bulk; allowed: without survey"));
-  if (n && critical && request->at_mach)
-    PetscCall(
-        MpmSettingsRefuse(settings, "neighbourhood", "at a Mach number the search is of the bulk; allowed: drift"));
+  MpmSettingsRefuseIf(n && request->survey, settings, "neighbourhood",
+                      "a survey is of the bulk; allowed: without survey");
+  MpmSettingsRefuseIf(n && critical && request->at_mach, settings, "neighbourhood",
+                      "at a Mach number the search is of the bulk; allowed: drift");
   if (!n) word[n++] = critical && !request->survey && !request->at_mach && FillsSpace(scene) ? ALL : MPM_IN_BULK;
   for (PetscInt i = 0; i < n; i++) Take(word[i], scene, request);
-  PetscCall(CheckBulk(settings, request));
-  PetscCall(CheckRandom(settings, request));
+  if (!request->neighbourhood[MPM_IN_BULK])
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
+                                   "csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix",
+                                   "it is of the bulk; allowed: with neighbourhood bulk"));
+  if (reads && !request->neighbourhood[MPM_AT_RANDOM])
+    PetscCall(
+        MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "voids,layouts", "allowed: with neighbourhood random"));
   if (!MpmSettingsGiven(settings, "layouts"))
     request->layouts = strcmp(request->task, "ensemble") ? SOME_LAYOUTS : MANY_LAYOUTS;
   PetscFunctionReturn(PETSC_SUCCESS);

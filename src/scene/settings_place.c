@@ -25,7 +25,7 @@ static PetscErrorCode Has(PetscOptions options, const char name[], const char va
   const char *text;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(key, sizeof key, "-%s", name));
+  (void)snprintf(key, sizeof key, "-%s", name);
   PetscCall(PetscOptionsFindPair(options, NULL, key, &text, has));
   if (*has && strcmp(text ? text : "", value ? value : "")) *has = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -57,7 +57,7 @@ PetscErrorCode MpmSettingsPlaceFile(int i, size_t room, char file[], PetscBool *
   *there = PETSC_FALSE;
   PetscCall(FindOnCommandLine("options_file", &at, &argv));
   if (at && i == 0 && argv[at + 1]) {
-    PetscCall(PetscStrncpy(file, argv[at + 1], room));
+    (void)snprintf(file, room, "%s", argv[at + 1]);
     *there = PETSC_TRUE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -77,11 +77,11 @@ PetscErrorCode MpmSettingsPlace(const char name[], const char value[], char plac
   PetscCall(FindOnCommandLine(name, &at, &argv));
   if (at) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Gives(NULL, name, value, &is));
-  if (is) PetscCall(PetscStrncpy(place, ", from PETSC_OPTIONS", MPM_PLACE_TEXT));
+  if (is) (void)snprintf(place, MPM_PLACE_TEXT, "%s", ", from PETSC_OPTIONS");
   for (int i = 0; !is && there; i++) {
     PetscCall(MpmSettingsPlaceFile(i, sizeof file, file, &there));
     if (there) PetscCall(Gives(file, name, value, &is));
-    if (is) PetscCall(PetscSNPrintf(place, MPM_PLACE_TEXT, ", from %s", file));
+    if (is) (void)snprintf(place, MPM_PLACE_TEXT, ", from %s", file);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,10 +6,12 @@
 #include "scene/settings_place.h"
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
+#define WHY 2048       /* bytes of why a value cannot be */
 #define MOST_SHOWN 200 /* characters of a value in a message, which is to have room for what is allowed */
 
 PetscBool MpmSettingsGiven(const MpmSettings *settings, const char name[])
@@ -32,13 +34,17 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
   return MpmSettingsSource(settings, key) < MpmSettingsSource(settings, by) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[])
+PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char format[], ...)
 {
   const PetscInt    i                     = MpmOptionIndex(name);
   const char *const dots                  = strlen(settings->text[i]) > MOST_SHOWN ? "..." : "";
-  char              place[MPM_PLACE_TEXT] = "";
+  char              place[MPM_PLACE_TEXT] = "", why[WHY];
+  va_list           arguments;
 
   PetscFunctionBegin;
+  va_start(arguments, format);
+  (void)vsnprintf(why, sizeof why, format, arguments);
+  va_end(arguments);
   if (settings->source[i] == MPM_FROM_SCENE)
     MpmRefuse("%s:%d: %s: %.*s%s: %s", settings->scene, settings->line[i], name, MOST_SHOWN, settings->text[i], dots,
               why);
@@ -46,35 +52,58 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
   MpmRefuse("-%s %.*s%s%s: %s", name, MOST_SHOWN, settings->text[i], dots, place, why);
 }
 
-PetscErrorCode MpmSettingsRefuseNumberOfMaterial(const MpmSettings *settings, const char name[], PetscBool read,
-                                                 const char why[])
+/* The first name of a list with commas between them; list goes on to the rest. */
+static const char *NextName(const char **list, char name[64])
+{
+  const size_t length = strcspn(*list, ",");
+
+  (void)snprintf(name, 64, "%.*s", (int)length, *list);
+  *list += length + ((*list)[length] == ',');
+  return name;
+}
+
+PetscBool MpmSettingsStands(const MpmSettings *settings, const char key[], const char by[])
+{
+  char      name[64];
+  PetscBool stands = MpmSettingsSource(settings, key) != MPM_FROM_DEFAULT ? PETSC_TRUE : PETSC_FALSE;
+
+  while (*by)
+    if (MpmSettingsOverruled(settings, key, NextName(&by, name))) stands = PETSC_FALSE;
+  return stands;
+}
+
+PetscErrorCode MpmSettingsRefuseUnless(const MpmSettings *settings, const char key[], const char by[], const char why[])
 {
   PetscFunctionBegin;
-  if (!read && MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT &&
-      !MpmSettingsOverruled(settings, name, "material"))
-    PetscCall(MpmSettingsRefuse(settings, name, why));
+  MpmSettingsRefuseIf(MpmSettingsStands(settings, key, by), settings, key, "%s", why);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsRefuseAny(const MpmSettings *settings, MpmOrigin least, const char names[], const char why[])
+{
+  char name[64];
+
+  PetscFunctionBegin;
+  while (*names)
+    MpmSettingsRefuseIf(MpmSettingsSource(settings, NextName(&names, name)) >= least, settings, name, "%s", why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[], const char what[])
 {
   const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
-  char            why[256];
 
   PetscFunctionBegin;
-  if (option->lo_open && option->hi == PETSC_MAX_REAL)
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s greater than %.6g%s%s", what, (double)option->lo,
-                            option->also ? ", or " : "", option->also ? option->also : ""));
-  else if (option->hi == PETSC_MAX_REAL && option->lo > -PETSC_MAX_REAL)
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.6g", what, (double)option->lo));
-  else if (option->hi == PETSC_MAX_REAL)
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s", what));
-  else if (option->kind == MPM_FRACTION && option->hi < 1)
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.6g to below 1", what, (double)option->lo));
-  else
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: %s from %.16g to %.16g", what, (double)option->lo,
-                            (double)option->hi));
-  PetscCall(MpmSettingsRefuse(settings, name, why));
+  MpmSettingsRefuseIf(option->lo_open && option->hi == PETSC_MAX_REAL, settings, name,
+                      "allowed: %s greater than %.6g%s%s", what, (double)option->lo, option->also ? ", or " : "",
+                      option->also ? option->also : "");
+  MpmSettingsRefuseIf(option->hi == PETSC_MAX_REAL && option->lo > -PETSC_MAX_REAL, settings, name,
+                      "allowed: %s from %.6g", what, (double)option->lo);
+  MpmSettingsRefuseIf(option->hi == PETSC_MAX_REAL, settings, name, "allowed: %s", what);
+  MpmSettingsRefuseIf(option->kind == MPM_FRACTION && option->hi < 1, settings, name,
+                      "allowed: %s from %.6g to below 1", what, (double)option->lo);
+  PetscCall(MpmSettingsRefuse(settings, name, "allowed: %s from %.16g to %.16g", what, (double)option->lo,
+                              (double)option->hi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -108,36 +137,6 @@ const char *MpmSettingsFarthest(const MpmSettings *settings, PetscInt n, const c
   return farthest;
 }
 
-/* Reads a decimal number. Blanks, hexadecimals, 'inf' and 'nan', which strtod accepts, are none. */
-static PetscBool ParseReal(const char text[], PetscReal *value)
-{
-  char *end;
-
-  if (!*text || strspn(text, "0123456789+-.eE") != strlen(text)) return PETSC_FALSE;
-  *value = strtod(text, &end);
-  return *end || !isfinite(*value) ? PETSC_FALSE : PETSC_TRUE;
-}
-
-static PetscErrorCode ParseInteger(const MpmSettings *settings, const char name[], const char text[], PetscInt64 *value)
-{
-  char *end;
-
-  PetscFunctionBegin;
-  errno  = 0;
-  *value = strtoll(text, &end, 10);
-  if (!*text || *end || errno || strspn(text, "0123456789+-") != strlen(text) ||
-      !InWholeRange(&MpmOptions[MpmOptionIndex(name)], *value))
-    PetscCall(RefuseNumber(settings, name, "a whole number"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSettingsInteger(const MpmSettings *settings, const char name[], PetscInt64 *value)
-{
-  PetscFunctionBegin;
-  PetscCall(ParseInteger(settings, name, MpmSettingsText(settings, name), value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscBool MpmSettingsIsAlso(const MpmSettings *settings, const char name[])
 {
   const char *also = MpmOptions[MpmOptionIndex(name)].also, *text = MpmSettingsText(settings, name);
@@ -151,140 +150,81 @@ const char *MpmSettingsNumberText(const MpmSettings *settings, const char name[]
                                            : MpmSettingsText(settings, name);
 }
 
-PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value)
-{
-  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
-  MpmFraction     fraction;
-  PetscBool       ok;
-
-  PetscFunctionBegin;
-  if (option->kind == MPM_FRACTION) {
-    PetscCall(MpmFractionParse(MpmSettingsNumberText(settings, name), &fraction, &ok));
-    *value = fraction.value;
-  } else
-    ok = ParseReal(MpmSettingsText(settings, name), value);
-  if (!ok || !InRange(option, *value))
-    PetscCall(
-        RefuseNumber(settings, name, option->kind == MPM_FRACTION ? "a finite number or fraction" : "a finite number"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- values for each direction ---- */
-
 #define MOST_PARTS (2 * MPM_MAX_DIM)
 #define PART 64 /* characters */
 
-/*
-   Cuts the text of an option at its commas into dim groups of so many parts each. One group stands for all directions.
-   In one dimension the only group is the whole text, with whatever commas it has. room is memory for the groups.
-*/
-static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt parts,
-                          char room[MPM_MAX_DIM][2 * PART], const char *group[MPM_MAX_DIM])
+/* Reads a decimal number. Blanks, hexadecimals, 'inf' and 'nan', which strtod accepts, are none. */
+static PetscBool IsReal(const char text[], PetscReal *value)
 {
-  const char *text                   = MpmSettingsNumberText(settings, name);
-  char        part[MOST_PARTS][PART] = {{0}}, why[160];
-  PetscInt    n                      = 0;
-  PetscBool   fits                   = PETSC_TRUE;
+  char *end;
+
+  if (!*text || strspn(text, "0123456789+-.eE") != strlen(text)) return PETSC_FALSE;
+  *value = strtod(text, &end);
+  return *end || !isfinite(*value) ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/* ---- the text of one value ---- */
+
+static PetscErrorCode ParseInteger(const MpmSettings *settings, const char name[], const char text[], void *place)
+{
+  PetscInt64 *value = place;
+  char       *end;
 
   PetscFunctionBegin;
-  if (dim == 1) {
-    group[0] = text;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  for (const char *from = text; fits; n++) {
-    const size_t length = strcspn(from, ",");
-
-    if (n == MOST_PARTS || length >= PART) {
-      fits = PETSC_FALSE;
-      break;
-    }
-    PetscCall(PetscStrncpy(part[n], from, length + 1));
-    from += length;
-    if (!*from++) {
-      n++;
-      break;
-    }
-  }
-  if (!fits || (n != parts && n != parts * dim)) {
-    PetscCall(PetscSNPrintf(why, sizeof why,
-                            "allowed: %s for all directions, or %" PetscInt_FMT " with commas between them, for %s",
-                            parts == 2 ? "two values" : "one value", parts * dim, dim == 2 ? "x and y" : "x, y and z"));
-    PetscCall(MpmSettingsRefuse(settings, name, why));
-  }
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscInt at = n == parts ? 0 : parts * a;
-
-    if (parts == 2)
-      PetscCall(PetscSNPrintf(room[a], 2 * PART, "%s,%s", part[at], part[at + 1]));
-    else
-      PetscCall(PetscStrncpy(room[a], part[at], 2 * PART));
-    group[a] = room[a];
-  }
+  errno  = 0;
+  *value = strtoll(text, &end, 10);
+  if (!*text || *end || errno || strspn(text, "0123456789+-") != strlen(text) ||
+      !InWholeRange(&MpmOptions[MpmOptionIndex(name)], *value))
+    PetscCall(RefuseNumber(settings, name, "a whole number"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsEachInteger(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt64 value[])
+static PetscErrorCode ParseReal(const MpmSettings *settings, const char name[], const char text[], void *place)
 {
-  char        room[MPM_MAX_DIM][2 * PART];
-  const char *text[MPM_MAX_DIM];
+  const MpmField *option   = &MpmOptions[MpmOptionIndex(name)];
+  const PetscBool fraction = option->kind == MPM_FRACTION ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal      *value    = place;
+  MpmFraction     exact    = {.value = 0};
+  const PetscBool ok       = fraction ? MpmFractionParse(text, &exact) : IsReal(text, value);
 
   PetscFunctionBegin;
-  PetscCall(Cut(settings, name, dim, 1, room, text));
-  for (PetscInt a = 0; a < dim; a++) PetscCall(ParseInteger(settings, name, text[a], &value[a]));
+  if (fraction) *value = exact.value;
+  if (!ok || !InRange(option, *value))
+    PetscCall(RefuseNumber(settings, name, fraction ? "a finite number or fraction" : "a finite number"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsEachReal(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal value[])
+static PetscErrorCode ParseFraction(const MpmSettings *settings, const char name[], const char text[], void *place)
 {
-  char        room[MPM_MAX_DIM][2 * PART];
-  const char *text[MPM_MAX_DIM];
+  MpmFraction *value = place;
 
   PetscFunctionBegin;
-  PetscCall(Cut(settings, name, dim, 1, room, text));
-  for (PetscInt a = 0; a < dim; a++)
-    if (!ParseReal(text[a], &value[a]) || !InRange(&MpmOptions[MpmOptionIndex(name)], value[a]))
-      PetscCall(RefuseNumber(settings, name, "a finite number"));
+  if (!MpmFractionParse(text, value) || !InRange(&MpmOptions[MpmOptionIndex(name)], value->value))
+    PetscCall(RefuseNumber(settings, name, "a finite number or a fraction such as 1/8"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsEachFraction(const MpmSettings *settings, const char name[], PetscInt dim,
-                                       MpmFraction value[])
+/* The part of a text before its comma; NULL where it has none, or is too long. rest: what follows the comma. */
+static const char *BeforeComma(const char text[], char first[PART], const char **rest)
 {
-  char        room[MPM_MAX_DIM][2 * PART];
-  const char *text[MPM_MAX_DIM];
+  const size_t length = strcspn(text, ",");
 
-  PetscFunctionBegin;
-  PetscCall(Cut(settings, name, dim, 1, room, text));
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscBool ok;
-
-    PetscCall(MpmFractionParse(text[a], &value[a], &ok));
-    if (!ok || !InRange(&MpmOptions[MpmOptionIndex(name)], value[a].value))
-      PetscCall(RefuseNumber(settings, name, "a finite number or a fraction such as 1/8"));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  if (!text[length] || length >= PART) return NULL;
+  (void)snprintf(first, PART, "%.*s", (int)length, text);
+  *rest = text + length + 1;
+  return first;
 }
 
-PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value)
+static PetscErrorCode ParseRange(const MpmSettings *settings, const char name[], const char text[], void *place)
 {
-  static const char *const yes[] = {"", "true", "True", "yes", "on", "1"}, *const no[] = {"false", "False", "no", "off",
-                                                                                          "0"};
-  const char *const text = settings->text[MpmOptionIndex(name)];
+  PetscReal  *range = place;
+  char        first[PART];
+  const char *rest;
 
   PetscFunctionBegin;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(yes); i++) {
-    if (!strcmp(text, yes[i])) {
-      *value = PETSC_TRUE;
-      PetscFunctionReturn(PETSC_SUCCESS);
-    }
-  }
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(no); i++) {
-    if (!strcmp(text, no[i])) {
-      *value = PETSC_FALSE;
-      PetscFunctionReturn(PETSC_SUCCESS);
-    }
-  }
-  PetscCall(MpmSettingsRefuse(settings, name, "allowed: true or false"));
+  MpmSettingsRefuseIf(!BeforeComma(text, first, &rest) || !IsReal(first, &range[0]) || !IsReal(rest, &range[1]) ||
+                          range[0] > range[1],
+                      settings, name, "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -300,7 +240,7 @@ static PetscErrorCode RefuseWord(const MpmSettings *settings, const char name[],
   PetscErrorCode ierr;
 
   PetscFunctionBegin;
-  for (; MpmOptions[option].word(n); n++) words[n] = MpmOptions[option].word(n);
+  for (; MpmFieldWord(&MpmOptions[option], n); n++) words[n] = MpmFieldWord(&MpmOptions[option], n);
   for (PetscInt i = 0; i < n; i++)
     PetscCall(MpmTextAdd(&why, "%s%s", i == 0 ? "allowed: " : i == n - 1 ? " or " : ", ", words[i]));
   near = n > 1 ? MpmSuggest(text, n, words) : NULL;
@@ -308,28 +248,149 @@ static PetscErrorCode RefuseWord(const MpmSettings *settings, const char name[],
     PetscCall(MpmTextAdd(&why, "; here it is %s", MpmWordCalledHere(name, text)));
   else if (near)
     PetscCall(MpmTextAdd(&why, "; did you mean %s?", near));
-  ierr = MpmSettingsRefuse(settings, name, why.text);
-  PetscCall(MpmTextFree(&why));
+  ierr = MpmSettingsRefuse(settings, name, "%s", why.text);
+  MpmTextFree(&why);
   PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode FindWord(const MpmSettings *settings, const char name[], const char text[], PetscInt *index)
 {
-  const PetscInt option = MpmOptionIndex(name);
+  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
 
   PetscFunctionBegin;
-  for (*index = 0; MpmOptions[option].word(*index); ++*index)
-    if (!strcasecmp(MpmOptions[option].word(*index), text)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (*index = 0; MpmFieldWord(option, *index); ++*index)
+    if (!strcasecmp(MpmFieldWord(option, *index), text)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(RefuseWord(settings, name, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode ParseEnds(const MpmSettings *settings, const char name[], const char text[], void *place)
+{
+  const size_t ends  = strcspn(text, SEPARATORS);
+  const char  *rest  = text + ends + strspn(text + ends, SEPARATORS);
+  PetscInt    *index = place;
+  char         first[PART];
+
+  PetscFunctionBegin;
+  (void)snprintf(first, PetscMin(ends + 1, sizeof first), "%s", text);
+  PetscCall(FindWord(settings, name, first, &index[0]));
+  PetscCall(FindWord(settings, name, text[ends] ? rest : first, &index[1]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ParseSwitch(const MpmSettings *settings, const char name[], const char text[], void *place)
+{
+  static const char *const words[] = {"", "true", "True", "yes", "on", "1", "false", "False", "no", "off", "0"};
+  const size_t             yes     = 6; /* of these words */
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(words); i++) {
+    if (strcmp(text, words[i])) continue;
+    *(PetscBool *)place = i < yes ? PETSC_TRUE : PETSC_FALSE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSettingsRefuse(settings, name, "allowed: true or false"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- values for each direction ---- */
+
+/*
+   Cuts the text of an option at its commas into dim groups of so many parts each. One group stands for all directions.
+   In one dimension the only group is the whole text, with whatever commas it has. room is memory for the groups.
+*/
+static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt parts,
+                          char room[MPM_MAX_DIM][2 * PART], const char *group[MPM_MAX_DIM])
+{
+  const char *text                   = MpmSettingsNumberText(settings, name);
+  char        part[MOST_PARTS][PART] = {{0}};
+  PetscInt    n                      = 0;
+  PetscBool   fits                   = PETSC_TRUE;
+
+  PetscFunctionBegin;
+  if (dim == 1) {
+    group[0] = text;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  for (const char *from = text; fits; n++) {
+    const size_t length = strcspn(from, ",");
+
+    if (n == MOST_PARTS || length >= PART) {
+      fits = PETSC_FALSE;
+      break;
+    }
+    (void)snprintf(part[n], length + 1, "%s", from);
+    from += length;
+    if (!*from++) {
+      n++;
+      break;
+    }
+  }
+  if (!fits || (n != parts && n != parts * dim)) {
+    PetscCall(MpmSettingsRefuse(
+        settings, name, "allowed: %s for all directions, or %" PetscInt_FMT " with commas between them, for %s",
+        parts == 2 ? "two values" : "one value", parts * dim, dim == 2 ? "x and y" : "x, y and z"));
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    const PetscInt at = n == parts ? 0 : parts * a;
+
+    if (parts == 2)
+      PetscCall(PetscSNPrintf(room[a], 2 * PART, "%s,%s", part[at], part[at + 1]));
+    else
+      PetscCall(PetscSNPrintf(room[a], 2 * PART, "%s", part[at]));
+    group[a] = room[a];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads the values of dim directions, each of so many parts with commas between them, to places so many bytes apart. */
+static PetscErrorCode Each(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt parts,
+                           PetscErrorCode (*parse)(const MpmSettings *, const char[], const char[], void *),
+                           size_t stride, void *values)
+{
+  char        room[MPM_MAX_DIM][2 * PART];
+  const char *text[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(Cut(settings, name, dim, parts, room, text));
+  for (PetscInt a = 0; a < dim; a++) PetscCall(parse(settings, name, text[a], (char *)values + (size_t)a * stride));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsIntegers(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt64 value[])
+{
+  return Each(settings, name, dim, 1, ParseInteger, sizeof *value, value);
+}
+
+PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value)
+{
+  return Each(settings, name, 1, 1, ParseReal, 0, value);
+}
+
+PetscErrorCode MpmSettingsFractions(const MpmSettings *settings, const char name[], PetscInt dim, MpmFraction value[])
+{
+  return Each(settings, name, dim, 1, ParseFraction, sizeof *value, value);
+}
+
+PetscErrorCode MpmSettingsRanges(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal range[][2])
+{
+  return Each(settings, name, dim, 2, ParseRange, sizeof *range, range);
+}
+
+PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt index[][2])
+{
+  return Each(settings, name, dim, 1, ParseEnds, sizeof *index, index);
+}
+
+PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value)
+{
+  return ParseSwitch(settings, name, MpmSettingsText(settings, name), value);
+}
+
 PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index)
 {
-  PetscFunctionBegin;
-  PetscCall(FindWord(settings, name, settings->text[MpmOptionIndex(name)], index));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return FindWord(settings, name, MpmSettingsText(settings, name), index);
 }
 
 /* A word more than once counts once. */
@@ -345,7 +406,7 @@ PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], 
   for (*n = 0;; text++) {
     const size_t length = strcspn(text, ",");
 
-    PetscCall(PetscStrncpy(word, text, PetscMin(length + 1, sizeof word)));
+    (void)snprintf(word, PetscMin(length + 1, sizeof word), "%s", text);
     PetscCall(FindWord(settings, name, word, &found));
     known = PETSC_FALSE;
     for (PetscInt i = 0; i < *n; i++)
@@ -358,100 +419,30 @@ PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ParseEnds(const MpmSettings *settings, const char name[], const char text[], PetscInt index[2])
+PetscBool MpmSettingsParseSpan(const char text[], MpmFraction span[2])
 {
-  const size_t ends = strcspn(text, SEPARATORS);
-  const char  *rest = text + ends + strspn(text + ends, SEPARATORS);
-  char         first[64];
+  char        first[PART];
+  const char *rest;
 
-  PetscFunctionBegin;
-  PetscCall(PetscStrncpy(first, text, PetscMin(ends + 1, sizeof first)));
-  PetscCall(FindWord(settings, name, first, &index[0]));
-  PetscCall(FindWord(settings, name, text[ends] ? rest : first, &index[1]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt index[2])
-{
-  PetscFunctionBegin;
-  PetscCall(ParseEnds(settings, name, MpmSettingsText(settings, name), index));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSettingsEachEnds(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt index[][2])
-{
-  char        room[MPM_MAX_DIM][2 * PART];
-  const char *text[MPM_MAX_DIM];
-
-  PetscFunctionBegin;
-  if (dim == 1) {
-    PetscCall(MpmSettingsEnds(settings, name, index[0]));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(Cut(settings, name, dim, 1, room, text));
-  for (PetscInt a = 0; a < dim; a++) PetscCall(ParseEnds(settings, name, text[a], index[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ParseRange(const MpmSettings *settings, const char name[], const char text[], PetscReal range[2])
-{
-  const char *comma     = strchr(text, ',');
-  char        first[64] = "";
-
-  PetscFunctionBegin;
-  if (comma && comma - text < (ptrdiff_t)sizeof first) {
-    PetscCall(PetscStrncpy(first, text, (size_t)(comma - text) + 1));
-    if (ParseReal(first, &range[0]) && ParseReal(comma + 1, &range[1]) && range[0] <= range[1])
-      PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(
-      MpmSettingsRefuse(settings, name, "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSettingsRange(const MpmSettings *settings, const char name[], PetscReal range[2])
-{
-  PetscFunctionBegin;
-  PetscCall(ParseRange(settings, name, MpmSettingsText(settings, name), range));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSettingsEachRange(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal range[][2])
-{
-  char        room[MPM_MAX_DIM][2 * PART];
-  const char *text[MPM_MAX_DIM];
-
-  PetscFunctionBegin;
-  if (dim == 1) {
-    PetscCall(MpmSettingsRange(settings, name, range[0]));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(Cut(settings, name, dim, 2, room, text));
-  for (PetscInt a = 0; a < dim; a++) PetscCall(ParseRange(settings, name, text[a], range[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return BeforeComma(text, first, &rest) && MpmFractionParse(first, &span[0]) && MpmFractionParse(rest, &span[1]) &&
+                 isfinite(span[0].value) && isfinite(span[1].value) && span[0].value < span[1].value
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], MpmFraction span[2])
 {
   const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
-  const char     *text = settings->text[MpmOptionIndex(name)], *comma = strchr(text, ',');
-  char            first[64] = "", bounds[32], why[256];
-  PetscBool       ok        = PETSC_FALSE;
+  char            bounds[32];
 
   PetscFunctionBegin;
-  if (comma && comma - text < (ptrdiff_t)sizeof first) {
-    PetscCall(PetscStrncpy(first, text, (size_t)(comma - text) + 1));
-    PetscCall(MpmFractionParse(first, &span[0], &ok));
-    if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
-  }
-  PetscCall(PetscSNPrintf(bounds, sizeof bounds,
-                          1 - option->hi == PETSC_MACHINE_EPSILON / 2 ? " to below 1" : " to %.6g",
-                          (double)option->hi));
-  PetscCall(PetscSNPrintf(
-      why, sizeof why, "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi, %s %.6g%s",
-      option->lo_open ? "above" : "from", (double)option->lo, option->hi == PETSC_MAX_REAL ? "" : bounds));
-  if (!ok || !InRange(option, span[0].value) || !InRange(option, span[1].value) || span[0].value >= span[1].value)
-    PetscCall(MpmSettingsRefuse(settings, name, why));
+  (void)snprintf(bounds, sizeof bounds, 1 - option->hi == PETSC_MACHINE_EPSILON / 2 ? " to below 1" : " to %.6g",
+                 (double)option->hi);
+  MpmSettingsRefuseIf(
+      !MpmSettingsParseSpan(MpmSettingsText(settings, name), span) || !InRange(option, span[0].value) ||
+          !InRange(option, span[1].value),
+      settings, name, "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi, %s %.6g%s",
+      option->lo_open ? "above" : "from", (double)option->lo, option->hi == PETSC_MAX_REAL ? "" : bounds);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -459,18 +450,17 @@ PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], P
                                PetscInt list[])
 {
   const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
-  char            why[128], *end;
+  char           *end;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(why, sizeof why, "allowed: up to %" PetscInt_FMT " whole numbers from %d to %d, as %s", room,
-                          (int)option->lo, (int)option->hi, option->fallback ? option->fallback : "1,4,0,2"));
   *n = 0;
   for (const char *text = settings->text[MpmOptionIndex(name)];; text = end + 1) {
     const long value = strtol(text, &end, 10);
 
-    if (*n == room || end == text || strspn(text, "0123456789") != (size_t)(end - text) || (*end && *end != ',') ||
-        !InRange(option, (PetscReal)value))
-      PetscCall(MpmSettingsRefuse(settings, name, why));
+    MpmSettingsRefuseIf(*n == room || end == text || strspn(text, "0123456789") != (size_t)(end - text) ||
+                            (*end && *end != ',') || !InRange(option, (PetscReal)value),
+                        settings, name, "allowed: up to %" PetscInt_FMT " whole numbers from %d to %d, as %s", room,
+                        (int)option->lo, (int)option->hi, option->fallback ? option->fallback : "1,4,0,2");
     list[(*n)++] = (PetscInt)value;
     if (!*end) break;
   }
@@ -488,8 +478,8 @@ PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], 
   for (*n = 0; *n == 0 || *text++ == ','; text += strcspn(text, ",")) {
     const size_t length = strcspn(text, ",");
 
-    PetscCall(PetscStrncpy(part, text, PetscMin(length + 1, sizeof part)));
-    if (*n == room || length >= sizeof part || !ParseReal(part, &list[*n]) || !InRange(option, list[*n]))
+    (void)snprintf(part, PetscMin(length + 1, sizeof part), "%s", text);
+    if (*n == room || length >= sizeof part || !IsReal(part, &list[*n]) || !InRange(option, list[*n]))
       PetscCall(RefuseNumber(settings, name, "finite numbers"));
     ++*n;
   }
@@ -500,64 +490,43 @@ PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], c
 {
   PetscFunctionBegin;
   *path = settings->text[MpmOptionIndex(name)];
-  if (*path && !**path) PetscCall(MpmSettingsRefuse(settings, name, "allowed: the name of a file"));
+  MpmSettingsRefuseIf(*path && !**path, settings, name, "allowed: the name of a file");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads one field into the place where it is kept. */
-static PetscErrorCode ReadField(const MpmSettings *settings, const MpmField *field, void *place)
+/* Reads the values of an option into the places where they are kept. */
+static PetscErrorCode ReadField(const MpmSettings *settings, const MpmField *field, PetscInt dim, char *place)
 {
-  PetscInt64 whole;
+  PetscInt64 whole[MPM_MAX_DIM];
+  PetscInt   word;
 
   PetscFunctionBegin;
   switch (field->value) {
   case MPM_AS_COUNT:
-    PetscCall(MpmSettingsInteger(settings, field->name, &whole));
-    *(PetscInt *)place = (PetscInt)whole;
+    PetscCall(MpmSettingsIntegers(settings, field->name, dim, whole));
+    for (PetscInt a = 0; a < dim; a++) *(PetscInt *)(void *)(place + (size_t)a * field->each) = (PetscInt)whole[a];
     break;
   case MPM_AS_LONG:
-    PetscCall(MpmSettingsInteger(settings, field->name, (PetscInt64 *)place));
+    PetscCall(MpmSettingsIntegers(settings, field->name, 1, (PetscInt64 *)(void *)place));
     break;
   case MPM_AS_REAL:
-    PetscCall(MpmSettingsReal(settings, field->name, (PetscReal *)place));
+    PetscCall(Each(settings, field->name, dim, 1, ParseReal, field->each, place));
+    break;
+  case MPM_AS_FRACTION:
+    PetscCall(Each(settings, field->name, dim, 1, ParseFraction, field->each, place));
     break;
   case MPM_AS_RANGE:
-    PetscCall(MpmSettingsRange(settings, field->name, (PetscReal *)place));
+    PetscCall(Each(settings, field->name, dim, 2, ParseRange, field->each, place));
     break;
   case MPM_AS_SWITCH:
-    PetscCall(MpmSettingsSwitch(settings, field->name, (PetscBool *)place));
+    PetscCall(MpmSettingsSwitch(settings, field->name, (PetscBool *)(void *)place));
+    break;
+  case MPM_AS_WORD:
+    PetscCall(MpmSettingsWord(settings, field->name, &word));
+    *(int *)(void *)place = (int)word;
     break;
   default:
     SETERRQ(PETSC_COMM_SELF, PETSC_ERR_PLIB, "field %s is read by hand", field->name);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Reads a field that has a value for each direction. */
-static PetscErrorCode ReadEach(const MpmSettings *settings, const MpmField *field, PetscInt dim, char *place)
-{
-  PetscInt64  whole[MPM_MAX_DIM];
-  PetscReal   number[MPM_MAX_DIM], range[MPM_MAX_DIM][2];
-  MpmFraction fraction[MPM_MAX_DIM];
-
-  PetscFunctionBegin;
-  if (field->value == MPM_AS_COUNT)
-    PetscCall(MpmSettingsEachInteger(settings, field->name, dim, whole));
-  else if (field->value == MPM_AS_REAL)
-    PetscCall(MpmSettingsEachReal(settings, field->name, dim, number));
-  else if (field->value == MPM_AS_FRACTION)
-    PetscCall(MpmSettingsEachFraction(settings, field->name, dim, fraction));
-  else
-    PetscCall(MpmSettingsEachRange(settings, field->name, dim, range));
-  for (PetscInt a = 0; a < dim; a++, place += field->each) {
-    if (field->value == MPM_AS_COUNT)
-      *(PetscInt *)(void *)place = (PetscInt)whole[a];
-    else if (field->value == MPM_AS_REAL)
-      *(PetscReal *)(void *)place = number[a];
-    else if (field->value == MPM_AS_FRACTION)
-      *(MpmFraction *)(void *)place = fraction[a];
-    else
-      PetscCall(PetscArraycpy((PetscReal *)(void *)place, range[a], 2));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -567,13 +536,9 @@ PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
     const MpmField *field = &MpmOptions[i];
-    char           *place = (char *)object + field->at;
 
     if (field->value == MPM_NO_VALUE || field->by_hand || field->owner != owner || !settings->text[i]) continue;
-    if (field->each)
-      PetscCall(ReadEach(settings, field, *dim, place));
-    else
-      PetscCall(ReadField(settings, field, place));
+    PetscCall(ReadField(settings, field, field->each ? *dim : 1, (char *)object + field->at));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

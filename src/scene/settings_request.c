@@ -15,14 +15,12 @@ static PetscErrorCode CheckEnd(const MpmSettings *settings, const MpmScene *scen
                                        "cell_width", "sound_speed", "density", "young",      "bulk",  "shear"};
   static const char        faster[] = "wave_speed sound_speed young bulk shear";
   const char              *blamed;
-  char                     why[128];
 
   PetscFunctionBegin;
   if (isfinite((PetscReal)request->steps * scene->dt)) PetscFunctionReturn(PETSC_SUCCESS);
   blamed = MpmSettingsFarthest(settings, PETSC_STATIC_ARRAY_LENGTH(given), given);
-  PetscCall(PetscSNPrintf(why, sizeof why, "steps times dt is out of range; allowed: a %s %s",
-                          strstr(faster, blamed) ? "larger" : "smaller", blamed));
-  PetscCall(MpmSettingsRefuse(settings, blamed, why));
+  PetscCall(MpmSettingsRefuse(settings, blamed, "steps times dt is out of range; allowed: a %s %s",
+                              strstr(faster, blamed) ? "larger" : "smaller", blamed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -39,7 +37,7 @@ static PetscErrorCode ReadSteps(const MpmSettings *settings, const MpmScene *sce
     PetscCall(MpmSettingsReal(settings, "time", &time));
     /* a time that is a whole number of steps but for rounding does not get one more */
     steps = ceil(time / scene->dt * (1 - 1e-12));
-    if (!(steps <= MOST_STEPS)) PetscCall(MpmSettingsRefuse(settings, "time", "allowed: at most 1e15 steps of dt"));
+    MpmSettingsRefuseIf(!(steps <= MOST_STEPS), settings, "time", "allowed: at most 1e15 steps of dt");
     request->steps = PetscMax((PetscInt64)steps, 1);
   }
   if (request->end == 0) PetscCall(CheckEnd(settings, scene, request));
@@ -48,47 +46,21 @@ static PetscErrorCode ReadSteps(const MpmSettings *settings, const MpmScene *sce
 
 /* ---- what tasks measure ---- */
 
-/* The slides define their weights for hat functions, at nodes with a cell on either side. */
-static PetscErrorCode CheckDiagnostics(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (request->weights && !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)))
-    PetscCall(MpmSettingsRefuse(settings, "weights", "allowed: with basis linear and boundary periodic"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A survey goes through all schemes and does not depend on the scene's Courant number. */
-static PetscErrorCode CheckSurvey(const MpmSettings *settings, const MpmRequest *request)
-{
-  static const char *const idle[] = {"formulation", "scheme", "basis",           "transfer", "courant",
-                                     "dt",          "expect", "expect_critical", "json"};
-
-  PetscFunctionBegin;
-  for (size_t i = 0; request->survey && i < PETSC_STATIC_ARRAY_LENGTH(idle); i++)
-    if (MpmSettingsSource(settings, idle[i]) == MPM_FROM_COMMAND_LINE)
-      PetscCall(MpmSettingsRefuse(settings, idle[i], "a survey goes through all schemes; allowed: without survey"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The waves are those of the phases along x that are at least 3 cells long. */
 static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   PetscFunctionBegin;
-  if (!request->damping && MpmSettingsSource(settings, "damping_divisors") == MPM_FROM_COMMAND_LINE)
-    PetscCall(MpmSettingsRefuse(settings, "damping_divisors", "allowed: only with damping"));
+  if (!request->damping)
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "damping_divisors", "allowed: only with damping"));
   if (!request->damping || strcmp(request->task, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!scene->scheme.formulation->wave)
-    PetscCall(MpmSettingsRefuse(settings, "damping",
-                                "the formulation names no continuous problem whose waves could be followed; allowed: a "
-                                "formulation with an exact solution"));
-  if (scene->layout.dim > 1 && MpmSpaceIsPrestressed(&scene->scheme.space))
-    PetscCall(MpmSettingsRefuse(settings, "damping",
-                                "waves about a prestressed state have no exact solution here; allowed: with dim 1, or "
-                                "without a prestress"));
-  if (request->phases[0] < 3)
-    PetscCall(MpmSettingsRefuse(settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
-                                "damping needs a wave of 3 cells or more; allowed: 3 or more along x"));
+  MpmSettingsRefuseIf(!scene->scheme.formulation->wave, settings, "damping",
+                      "the formulation names no continuous problem whose waves could be followed; allowed: a "
+                      "formulation with an exact solution");
+  MpmSettingsRefuseIf(scene->layout.dim > 1 && MpmSpaceIsPrestressed(&scene->scheme.space), settings, "damping",
+                      "waves about a prestressed state have no exact solution here; allowed: with dim 1, or "
+                      "without a prestress");
+  MpmSettingsRefuseIf(request->phases[0] < 3, settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
+                      "damping needs a wave of 3 cells or more; allowed: 3 or more along x");
   PetscCall(MpmSettingsList(settings, "damping_divisors", MPM_MAX_DIVISORS, &request->ndivisors, request->divisors));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -108,10 +80,9 @@ static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scen
   if (!map || !(MpmRequestVaries(request, MPM_AXIS_COURANT) || MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
                 MpmRequestVaries(request, MPM_AXIS_MACH)))
     PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
-  if (request->survey)
-    PetscCall(MpmSettingsRefuse(settings, "mach", "a survey keeps the drift; allowed: drift, or without survey"));
-  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && MpmRequestVaries(request, MPM_AXIS_COURANT))
-    PetscCall(MpmSettingsRefuse(settings, "mach", "a map that turns the drift keeps its size; allowed: drift"));
+  MpmSettingsRefuseIf(request->survey, settings, "mach", "a survey keeps the drift; allowed: drift, or without survey");
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && MpmRequestVaries(request, MPM_AXIS_COURANT),
+                      settings, "mach", "a map that turns the drift keeps its size; allowed: drift");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -122,15 +93,17 @@ static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scen
 static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
   PetscFunctionBegin;
-  if (MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-      !MpmRequestVaries(request, MPM_AXIS_MACH) && MpmSettingsGiven(settings, "velocity") && MpmSceneDrifts(scene))
-    PetscCall(MpmSettingsRefuse(settings, "velocity",
-                                "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
-                                "would change; allowed: drift or mach"));
-  if (!strcmp(request->task, "critical") && MpmSettingsGiven(settings, "velocity") && !MpmSceneHasStep(scene))
-    PetscCall(MpmSettingsRefuse(settings, "velocity",
-                                "how many cells particles move per step depends on the time step; allowed: with dt or "
-                                "courant, or drift"));
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
+                          !MpmRequestVaries(request, MPM_AXIS_MACH) && MpmSettingsGiven(settings, "velocity") &&
+                          MpmSceneDrifts(scene),
+                      settings, "velocity",
+                      "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
+                      "would change; allowed: drift or mach");
+  MpmSettingsRefuseIf(!strcmp(request->task, "critical") && MpmSettingsGiven(settings, "velocity") &&
+                          !MpmSceneHasStep(scene),
+                      settings, "velocity",
+                      "how many cells particles move per step depends on the time step; allowed: with dt or "
+                      "courant, or drift");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -142,76 +115,60 @@ static const char *const spans[] = {"map_courant", "map_drift",       "map_offse
                                     "map_poisson", "map_drift_angle", "map_mach"};
 
 /* The options, by any of their names, whose place an axis takes. An angle turns the drift that is given. */
-static const char *const replaced[][3] = {{"courant", "dt"},
-                                          {"drift", "velocity", "mach"},
-                                          {"offset"},
-                                          {"ppc"},
-                                          {"poisson"},
-                                          {NULL},
-                                          {"mach", "velocity", "drift"}};
+static const char *const replaced[] = {"courant,dt", "drift,velocity,mach", "offset", "ppc", "poisson",
+                                       "",           "mach,velocity,drift"};
 
-/* Whether an axis says how particles move. */
-static PetscBool IsMotion(PetscInt kind)
-{
-  return kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* In more dimensions than one the scene's drift still says along which axes the map's goes. */
+/* In more dimensions than one the scene's drift, or mach, still says along which axes the map's goes. */
 static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene *scene, PetscInt kind)
 {
-  char why[128];
+  const char *names = replaced[kind];
+  char        why[128];
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]));
-  for (int i = IsMotion(kind) && scene->layout.dim > 1 ? 1 : 0; i < 3 && replaced[kind][i]; i++)
-    if (MpmSettingsSource(settings, replaced[kind][i]) == MPM_FROM_COMMAND_LINE)
-      PetscCall(MpmSettingsRefuse(settings, replaced[kind][i], why));
+  (void)snprintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]);
+  if (scene->layout.dim > 1 && (kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH)) names = strchr(names, ',') + 1;
+  PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, names, why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* An axis of particles per cell has every number between its ends; the default number of points does not count. */
 static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, MpmAxis *axis)
 {
-  char why[128];
 
   PetscFunctionBegin;
-  if (axis->from.den != 1 || axis->to.den != 1)
-    PetscCall(MpmSettingsRefuse(settings, "map_ppc", "allowed: two whole numbers lo,hi"));
+  MpmSettingsRefuseIf(axis->from.den != 1 || axis->to.den != 1, settings, "map_ppc",
+                      "allowed: two whole numbers lo,hi");
   axis->points = (PetscInt)(axis->to.num - axis->from.num) + 1;
-  PetscCall(PetscSNPrintf(
-      why, sizeof why, "map_ppc takes every number between its ends; allowed: %" PetscInt_FMT " for it", axis->points));
-  if (MpmSettingsSource(settings, "map_points") != MPM_FROM_DEFAULT && points != axis->points)
-    PetscCall(MpmSettingsRefuse(settings, "map_points", why));
+  MpmSettingsRefuseIf(MpmSettingsSource(settings, "map_points") != MPM_FROM_DEFAULT && points != axis->points, settings,
+                      "map_points", "map_ppc takes every number between its ends; allowed: %" PetscInt_FMT " for it",
+                      axis->points);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses axes that the scene does not have. */
 static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
-  static const char *const moduli[] = {"young", "bulk"};
-
   PetscFunctionBegin;
   if (MpmRequestVaries(request, MPM_AXIS_POISSON) && !MpmSceneHasPoisson(scene))
     PetscCall(MpmSettingsRefuse(
         settings, "map_axes",
         "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
-  if (MpmRequestVaries(request, MPM_AXIS_POISSON) && MpmSpaceIsPrestressed(&scene->scheme.space))
-    PetscCall(MpmSettingsRefuse(settings, "map_axes", "the prestress is of one Poisson's ratio; allowed: other axes"));
-  for (int i = 0; i < 2 && MpmRequestVaries(request, MPM_AXIS_POISSON); i++)
-    if (MpmSettingsGiven(settings, moduli[i]))
-      PetscCall(MpmSettingsRefuse(settings, moduli[i],
-                                  "the map varies Poisson's ratio, and with it the wave speed of a modulus would "
-                                  "change; allowed: sound_speed"));
-  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1)
-    PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: drift_angle only with dim 2 or 3"));
-  if (MpmRequestVaries(request, MPM_AXIS_MACH) &&
-      (MpmRequestVaries(request, MPM_AXIS_DRIFT) || MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)))
-    PetscCall(MpmSettingsRefuse(settings, "map_axes", "mach makes the drift; allowed: mach with another axis"));
-  if (MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-      scene->step.drift[0].value == 0 && scene->step.drift[1].value == 0)
-    PetscCall(MpmSettingsRefuse(settings, "map_axes",
-                                "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a "
-                                "drift such as 1/8,0"));
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_POISSON) && MpmSpaceIsPrestressed(&scene->scheme.space),
+                      settings, "map_axes", "the prestress is of one Poisson's ratio; allowed: other axes");
+  if (MpmRequestVaries(request, MPM_AXIS_POISSON))
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_SCENE, "young,bulk",
+                                   "the map varies Poisson's ratio, and with it the wave speed of a modulus would "
+                                   "change; allowed: sound_speed"));
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1, settings, "map_axes",
+                      "allowed: drift_angle only with dim 2 or 3");
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_MACH) && (MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
+                                                                   MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)),
+                      settings, "map_axes", "mach makes the drift; allowed: mach with another axis");
+  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
+                          scene->step.drift[0].value == 0 && scene->step.drift[1].value == 0,
+                      settings, "map_axes",
+                      "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a "
+                      "drift such as 1/8,0");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -225,58 +182,47 @@ static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request
     const size_t length = strcspn(text, separators);
     MpmAxis     *axis   = &request->axes[a];
 
-    if (length >= sizeof axis->name)
-      PetscCall(MpmSettingsRefuse(settings, "map_axes", "allowed: two names of axes, none of them so long"));
-    PetscCall(PetscStrncpy(axis->name, text, length + 1));
+    MpmSettingsRefuseIf(length >= sizeof axis->name, settings, "map_axes",
+                        "allowed: two names of axes, none of them so long");
+    (void)snprintf(axis->name, length + 1, "%s", text);
     axis->parameter = settings->scheme ? MpmWrittenFindParameter(settings->scheme, axis->name) : MPM_NONE;
     text += length + strspn(text + length, separators);
   }
   if (request->axes[0].parameter == MPM_NONE && request->axes[1].parameter == MPM_NONE) {
-    PetscInt kinds[2];
+    PetscInt kinds[1][2];
 
-    PetscCall(MpmSettingsEnds(settings, "map_axes", kinds));
-    for (int a = 0; a < 2; a++) request->axes[a].kind = (MpmAxisKind)kinds[a];
+    PetscCall(MpmSettingsEnds(settings, "map_axes", 1, kinds));
+    for (int a = 0; a < 2; a++) request->axes[a].kind = (MpmAxisKind)kinds[0][a];
   } else
     for (int a = 0; a < 2; a++) {
       PetscInt kind = 0;
 
       while (MpmAxisNames[kind] && strcmp(MpmAxisNames[kind], request->axes[a].name)) kind++;
-      if (!MpmAxisNames[kind] && request->axes[a].parameter == MPM_NONE)
-        PetscCall(MpmSettingsRefuse(settings, "map_axes",
-                                    "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle, "
-                                    "mach and the parameters of the scheme"));
+      MpmSettingsRefuseIf(!MpmAxisNames[kind] && request->axes[a].parameter == MPM_NONE, settings, "map_axes",
+                          "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle, "
+                          "mach and the parameters of the scheme");
       request->axes[a].kind = request->axes[a].parameter == MPM_NONE ? (MpmAxisKind)kind : MPM_AXIS_PARAMETER;
     }
   for (int a = 0; a < 2; a++)
     if (request->axes[a].kind != MPM_AXIS_PARAMETER)
-      PetscCall(PetscStrncpy(request->axes[a].name, MpmAxisNames[request->axes[a].kind], sizeof request->axes[a].name));
-  if (*text || !strcmp(request->axes[0].name, request->axes[1].name))
-    PetscCall(
-        MpmSettingsRefuse(settings, "map_axes",
-                          "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle and mach"));
+      (void)snprintf(request->axes[a].name, sizeof request->axes[a].name, "%s", MpmAxisNames[request->axes[a].kind]);
+  MpmSettingsRefuseIf(*text || !strcmp(request->axes[0].name, request->axes[1].name), settings, "map_axes",
+                      "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle and mach");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The span of a parameter, which has no default. The map takes the place of the parameter's value. */
 static PetscErrorCode ReadParameterSpan(const MpmSettings *settings, const MpmAxis *axis, MpmFraction span[2])
 {
-  const MpmSettingsParameter *own   = MpmSettingsParameterSaid(settings, "", axis->name);
-  const MpmSettingsParameter *said  = MpmSettingsParameterSaid(settings, "map_", axis->name);
-  const char                 *comma = said ? strchr(said->text, ',') : NULL;
-  char                        first[64];
-  PetscBool                   ok = PETSC_FALSE;
+  const MpmSettingsParameter *own  = MpmSettingsParameterSaid(settings, "", axis->name);
+  const MpmSettingsParameter *said = MpmSettingsParameterSaid(settings, "map_", axis->name);
 
   PetscFunctionBegin;
   if (own && own->source == MPM_FROM_COMMAND_LINE)
     PetscCall(MpmSettingsRefuseParameter(settings, own, "the map goes over it; allowed: its span lo,hi, after map_"));
   MpmCheckInput(said, "map_axes %s: allowed: with its span, as -map_%s lo,hi", MpmSettingsText(settings, "map_axes"),
                 axis->name);
-  if (comma && comma - said->text < (ptrdiff_t)sizeof first) {
-    PetscCall(PetscStrncpy(first, said->text, (size_t)(comma - said->text) + 1));
-    PetscCall(MpmFractionParse(first, &span[0], &ok));
-    if (ok) PetscCall(MpmFractionParse(comma + 1, &span[1], &ok));
-  }
-  if (!ok || !isfinite(span[0].value) || !isfinite(span[1].value) || span[0].value >= span[1].value)
+  if (!MpmSettingsParseSpan(said->text, span))
     PetscCall(MpmSettingsRefuseParameter(settings, said,
                                          "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi"));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -308,7 +254,7 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
   PetscFunctionBegin;
   PetscCall(ReadKinds(settings, request));
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
-  if (n != 2) PetscCall(MpmSettingsRefuse(settings, "map_points", "allowed: two whole numbers, one for each axis"));
+  MpmSettingsRefuseIf(n != 2, settings, "map_points", "allowed: two whole numbers, one for each axis");
   for (int a = 0; a < 2; a++) {
     MpmAxis    *axis = &request->axes[a];
     MpmFraction span[2];
@@ -325,9 +271,9 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
     if (axis->kind == MPM_AXIS_PPC) PetscCall(CountPpc(settings, points[a], axis));
   }
   for (PetscInt i = 0; i < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(spans); i++)
-    if (MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE && i != (PetscInt)request->axes[0].kind &&
-        i != (PetscInt)request->axes[1].kind)
-      PetscCall(MpmSettingsRefuse(settings, spans[i], "map_axes does not name it; allowed: with an axis of that name"));
+    MpmSettingsRefuseIf(MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE &&
+                            i != (PetscInt)request->axes[0].kind && i != (PetscInt)request->axes[1].kind,
+                        settings, spans[i], "map_axes does not name it; allowed: with an axis of that name");
   PetscCall(CheckAxes(settings, scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -345,12 +291,11 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, const MpmScene *
   MpmCheckInput(!wanted || MpmSettingsGiven(settings, "mode_file"),
                 "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
   if (!MpmSettingsGiven(settings, "mode_file")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!wanted && !MpmSettingsOverruled(settings, "mode_file", "initial"))
-    PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: only with initial eigenmode"));
+  if (!wanted)
+    PetscCall(MpmSettingsRefuseUnless(settings, "mode_file", "initial", "allowed: only with initial eigenmode"));
   PetscCall(MpmSettingsPath(settings, "mode_file", &path));
-  if (strlen(path) >= sizeof request->mode_file)
-    PetscCall(MpmSettingsRefuse(settings, "mode_file", "allowed: a shorter name"));
-  PetscCall(PetscStrncpy(request->mode_file, path, sizeof request->mode_file));
+  MpmSettingsRefuseIf(strlen(path) >= sizeof request->mode_file, settings, "mode_file", "allowed: a shorter name");
+  (void)snprintf(request->mode_file, sizeof request->mode_file, "%s", path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -358,14 +303,12 @@ static PetscErrorCode ReadModeFile(const MpmSettings *settings, const MpmScene *
 static PetscErrorCode CheckEvery(const MpmSettings *settings, const char name[], const char file[], const char path[],
                                  const MpmRequest *request, PetscInt64 *every)
 {
-  char why[64];
 
   PetscFunctionBegin;
   if (strcmp(request->task, "run") || !MpmSettingsGiven(settings, name))
     *every = request->steps;
   else if (!path[0]) {
-    PetscCall(PetscSNPrintf(why, sizeof why, "allowed: only with %s", file));
-    PetscCall(MpmSettingsRefuse(settings, name, why));
+    PetscCall(MpmSettingsRefuse(settings, name, "allowed: only with %s", file));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -380,8 +323,8 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *s
   PetscCall(CheckEvery(settings, "output_every", "output", request->output, request, &request->output_every));
   PetscCall(
       CheckEvery(settings, "checkpoint_every", "checkpoint", request->checkpoint, request, &request->checkpoint_every));
-  if (request->output[0] && scene && scene->layout.particles > PETSC_MAX_INT / 3)
-    PetscCall(MpmSettingsRefuse(settings, "output", "too many particles for it; allowed: at most 715827882"));
+  MpmSettingsRefuseIf(request->output[0] && scene && scene->layout.particles > PETSC_MAX_INT / 3, settings, "output",
+                      "too many particles for it; allowed: at most 715827882");
   if (MpmSettingsGiven(settings, "progress")) {
     PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
     request->progress = progress ? MPM_PROGRESS_ALWAYS : MPM_PROGRESS_NEVER;
@@ -397,9 +340,8 @@ static PetscErrorCode CheckVerdictAsked(const MpmSettings *settings, const MpmSc
 {
   PetscFunctionBegin;
   if (strcmp(task, "critical") || !scene || MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (MpmSettingsSource(settings, "expect") != MPM_FROM_SCENE)
-    PetscCall(
-        MpmSettingsRefuse(settings, "expect", "the scene has no time step to judge; allowed: with dt or courant"));
+  MpmSettingsRefuseIf(MpmSettingsSource(settings, "expect") != MPM_FROM_SCENE, settings, "expect",
+                      "the scene has no time step to judge; allowed: with dt or courant");
   expect->has_verdict = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -407,8 +349,6 @@ static PetscErrorCode CheckVerdictAsked(const MpmSettings *settings, const MpmSc
 static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *scene, const char task[],
                                  MpmExpect *expect)
 {
-  PetscInt i;
-
   PetscFunctionBegin;
   expect->has_verdict  = MpmSettingsGiven(settings, "expect");
   expect->has_kind     = MpmSettingsGiven(settings, "expect_kind");
@@ -419,20 +359,10 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
   expect->has_share    = MpmSettingsGiven(settings, "expect_share");
   if (expect->has_verdict && scene) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
-  if (expect->has_verdict) {
-    PetscCall(MpmSettingsWord(settings, "expect", &i));
-    expect->verdict = (MpmVerdict)i;
-  }
-  if (expect->has_kind) {
-    PetscCall(MpmSettingsWord(settings, "expect_kind", &i));
-    expect->kind = (MpmGrowthKind)i;
-  }
   if (expect->has_error && scene && !MpmSceneHasExact(scene)) {
-    if (!MpmSettingsOverruled(settings, "expect_error", "initial") &&
-        !MpmSettingsOverruled(settings, "expect_error", "boundary"))
-      PetscCall(
-          MpmSettingsRefuse(settings, "expect_error",
-                            "there is no exact solution; allowed: with initial mode, pulse or step in a full domain"));
+    PetscCall(MpmSettingsRefuseUnless(
+        settings, "expect_error", "initial,boundary",
+        "there is no exact solution; allowed: with initial mode, pulse or step in a full domain"));
     expect->has_error = PETSC_FALSE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -443,20 +373,17 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
 /* What reads the linear step of a scheme has none at finite deformation. */
 static PetscErrorCode CheckKinematics(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
-  static const char *const linear[] = {"symbol", "critical", "map", "ensemble"};
-
   PetscFunctionBegin;
-  if (scene->safety > 0 && strcmp(request->task, "run"))
-    PetscCall(MpmSettingsRefuse(settings, "courant", "allowed with this task: a number"));
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(linear) && scene->scheme.space.finite; i++)
-    if (!strcmp(request->task, linear[i]))
-      PetscCall(MpmSettingsRefuse(
-          settings, "kinematics",
-          "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with "
-          "material and stretch, or prestress, is about a uniform state"));
-  if (scene->scheme.space.finite && (request->weights || request->source_term || request->ringing))
-    PetscCall(MpmSettingsRefuse(settings, "kinematics",
-                                "weights, source_term and ringing are of the linear step; allowed: without them"));
+  MpmSettingsRefuseIf(scene->safety > 0 && strcmp(request->task, "run"), settings, "courant",
+                      "allowed with this task: a number");
+  if (!scene->scheme.space.finite) PetscFunctionReturn(PETSC_SUCCESS);
+  if (strcmp(request->task, "run") && strcmp(request->task, "spectrum"))
+    PetscCall(MpmSettingsRefuse(
+        settings, "kinematics",
+        "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with "
+        "material and stretch, or prestress, is about a uniform state"));
+  MpmSettingsRefuseIf((request->weights || request->source_term || request->ringing), settings, "kinematics",
+                      "weights, source_term and ringing are of the linear step; allowed: without them");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -464,20 +391,17 @@ static PetscErrorCode CheckKinematics(const MpmSettings *settings, const MpmScen
 static PetscErrorCode CheckSolution(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
   const MpmSolution *solution = MpmSolutionOf(scene);
-  char               why[160];
 
   PetscFunctionBegin;
   if (!solution) PetscFunctionReturn(PETSC_SUCCESS);
-  if (scene->safety > 0 && request->end == 0)
-    PetscCall(MpmSettingsRefuse(settings, "courant",
-                                "its exact solution holds until some time, and the time of so many steps is not known; "
-                                "allowed: with time in the place of steps"));
+  MpmSettingsRefuseIf(scene->safety > 0 && request->end == 0, settings, "courant",
+                      "its exact solution holds until some time, and the time of so many steps is not known; "
+                      "allowed: with time in the place of steps");
   if ((scene->safety > 0 ? request->end : request->steps * scene->dt) <= solution->end(scene))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscSNPrintf(why, sizeof why,
-                          "its exact solution holds until time %.6g; allowed: a run to that time or before",
-                          (double)solution->end(scene)));
-  PetscCall(MpmSettingsRefuse(settings, "initial", why));
+  PetscCall(MpmSettingsRefuse(settings, "initial",
+                              "its exact solution holds until time %.6g; allowed: a run to that time or before",
+                              (double)solution->end(scene)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -494,7 +418,10 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   PetscCall(MpmSettingsReadTangent(settings, scene, request));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSolution(settings, scene, request));
-  PetscCall(CheckSurvey(settings, request));
+  if (request->survey) /* it does not depend on the scene's Courant number */
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
+                                   "formulation,scheme,basis,transfer,courant,dt,expect,expect_critical,json",
+                                   "a survey goes through all schemes; allowed: without survey"));
   PetscCall(ReadDamping(settings, scene, request));
   for (int a = 0; a < 2; a++) request->axes[a].parameter = MPM_NONE;
   if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
@@ -502,7 +429,10 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   PetscCall(CheckVelocity(settings, scene, request));
   PetscCall(ReadMach(settings, scene, request));
   PetscCall(MpmSettingsReadNeighbourhoods(settings, scene, request));
-  PetscCall(CheckDiagnostics(settings, scene, request));
+  /* the slides define their weights for hat functions, at nodes with a cell on either side */
+  MpmSettingsRefuseIf(!strcmp(request->task, "run") && request->weights &&
+                          !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)),
+                      settings, "weights", "allowed: with basis linear and boundary periodic");
   PetscCall(ReadOutputs(settings, scene, request));
   PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -517,7 +447,7 @@ PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequ
   PetscInt dim;
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsPhases(settings, &request->given_phases));
+  MpmSettingsPhases(settings, &request->given_phases);
   dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
   PetscCall(MpmSettingsReadProgram(settings, request));

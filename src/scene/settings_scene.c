@@ -1,6 +1,5 @@
 /* Reads a scene: a YAML mapping of option names to values, and an 'expect' block. */
 #include "scene/settings.h"
-#include "base/suggest.h"
 #include "base/text.h"
 #include "base/yaml.h"
 #include "scene/synonyms.h"
@@ -21,12 +20,9 @@ static const char *Scalar(const yaml_node_t *node)
 
 PetscErrorCode MpmSettingsRefuseKey(const MpmSettings *settings, const char key[], int line)
 {
-  const char *names[MPM_MAX_OPTIONS], *near;
-  PetscInt    n = 0;
+  const char *near = MpmOptionNear(key);
 
   PetscFunctionBegin;
-  for (; MpmOptions[n].name; n++) names[n] = MpmOptions[n].name;
-  near = MpmSuggest(key, n, names);
   if (MpmOptionCalledHere(key))
     MpmRefuse("%s:%d: unknown key '%s'; it is called '%s' here", settings->scene, line, key, MpmOptionCalledHere(key));
   if (near) MpmRefuse("%s:%d: unknown key '%s'; did you mean '%s'?", settings->scene, line, key, near);
@@ -89,7 +85,7 @@ static PetscErrorCode KeepParameter(MpmSettings *settings, yaml_document_t *docu
   } else if (Scalar(value))
     PetscCall(MpmTextAdd(&text, "%s", Scalar(value)));
   ierr = MpmSettingsKeepParameter(settings, key, text.text, MPM_FROM_SCENE, line);
-  PetscCall(MpmTextFree(&text));
+  MpmTextFree(&text);
   PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -129,7 +125,7 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
     MpmCheckInput(part, "%s:%d: key '%s': a zero byte in its value; allowed: text", settings->scene, Line(value), key);
     MpmCheckInput(used + strlen(part) + 2 < size, "%s:%d: key '%s': its value is too long", settings->scene,
                   Line(value), key);
-    PetscCall(PetscSNPrintf(text + used, size - used, "%s%s", first ? "" : ",", part));
+    (void)snprintf(text + used, size - used, "%s%s", first ? "" : ",", part);
     used  = strlen(text);
     first = PETSC_FALSE;
   } while (item < end);
@@ -188,9 +184,9 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
       continue;
     }
     if (inside_expect && !strcmp(key, "verdict"))
-      PetscCall(PetscStrncpy(name, "expect", sizeof name));
+      (void)snprintf(name, sizeof name, "%s", "expect");
     else
-      PetscCall(PetscSNPrintf(name, sizeof name, "%s%s", inside_expect ? "expect_" : "", key));
+      (void)snprintf(name, sizeof name, "%s%s", inside_expect ? "expect_" : "", key);
     MpmCheckInput(
         !inside_expect || MpmOptionIndex(name) != MPM_NOT_AN_OPTION,
         "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, spectrum, critical, share, error or energy",
@@ -218,7 +214,7 @@ static PetscErrorCode ReadRoot(void *context, yaml_document_t *document, const y
 PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[])
 {
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(settings->scene, path, sizeof settings->scene));
+  (void)snprintf(settings->scene, sizeof settings->scene, "%s", path);
   PetscCall(MpmYamlReadFile("scene", path, ReadRoot, settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -226,7 +222,7 @@ PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[])
 PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char name[], const char yaml[])
 {
   PetscFunctionBegin;
-  PetscCall(PetscStrncpy(settings->scene, name, sizeof settings->scene));
+  (void)snprintf(settings->scene, sizeof settings->scene, "%s", name);
   PetscCall(MpmYamlReadText("scene", settings->scene, yaml, ReadRoot, settings));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -56,8 +56,8 @@ PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, PetscB
   PetscCall(MpmSettingsWord(settings, "rk", &numbers->rk));
   PetscCall(MpmSettingsWord(settings, "rk_on", &on));
   numbers->rk_on = (MpmRkOn)on;
-  if (numbers->rk_on == MPM_RK_PARTICLES && filters)
-    PetscCall(MpmSettingsRefuse(settings, "rk_on", "allowed: only with transfer flip; nodes with others"));
+  MpmSettingsRefuseIf(numbers->rk_on == MPM_RK_PARTICLES && filters, settings, "rk_on",
+                      "allowed: only with transfer flip; nodes with others");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -175,7 +175,7 @@ static PetscErrorCode KeepOption(MpmSettings *settings, const char before[], con
   PetscBool   given;
 
   PetscFunctionBegin;
-  PetscCall(PetscSNPrintf(key, sizeof key, "-%s%s", before, name));
+  (void)snprintf(key, sizeof key, "-%s%s", before, name);
   PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsPlace(key + 1, text, place));
@@ -222,14 +222,12 @@ static PetscErrorCode SetParameters(MpmSettings *settings)
     const char                 *name = scheme->parameters[i].name.text;
     const MpmSettingsParameter *said;
     MpmFraction                 number;
-    PetscBool                   ok;
 
     if (settings->has_options) PetscCall(KeepOption(settings, "", name));
     if (settings->has_options) PetscCall(KeepOption(settings, map, name));
     said = MpmSettingsParameterSaid(settings, "", name);
     if (!said) continue;
-    PetscCall(MpmFractionParse(said->text, &number, &ok));
-    if (!ok || !isfinite(number.value))
+    if (!MpmFractionParse(said->text, &number) || !isfinite(number.value))
       PetscCall(MpmSettingsRefuseParameter(settings, said, "allowed: a finite number or a fraction such as 1/3"));
     scheme->parameters[i].set   = PETSC_TRUE;
     scheme->parameters[i].value = number.value;
@@ -266,7 +264,7 @@ PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], Pe
   for (PetscInt i = 0; settings->scheme && i < settings->scheme->nparameters && !near[0]; i++) {
     const char *const one = settings->scheme->parameters[i].name.text;
 
-    if (MpmSuggest(name, 1, &one)) PetscCall(PetscStrncpy(near, one, room));
+    if (MpmSuggest(name, 1, &one)) (void)snprintf(near, room, "%s", one);
   }
   PetscCall(MpmSettingsDestroy(&settings));
   PetscCall(ierr);

@@ -68,13 +68,13 @@ PetscErrorCode MpmSettingsReadShape(const MpmSettings *settings, MpmScene *scene
   PetscCall(MpmSettingsWord(settings, "shape", &shape));
   if (shape == BOX) PetscFunctionReturn(PETSC_SUCCESS);
   if (!scene->scheme.space.finite || l->dim == 1) {
-    if (!MpmSettingsOverruled(settings, "shape", "kinematics") && !MpmSettingsOverruled(settings, "shape", "dim"))
-      PetscCall(MpmSettingsRefuse(settings, "shape", "allowed: with kinematics finite and dim 2 or 3"));
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "shape", "kinematics,dim", "allowed: with kinematics finite and dim 2 or 3"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   l->nspans = FindSpans(scene, (Shape)shape, NULL, &l->particles);
-  if (!l->particles)
-    PetscCall(MpmSettingsRefuse(settings, "shape", "no particle is inside; allowed: more cells, or a larger domain"));
+  MpmSettingsRefuseIf(!l->particles, settings, "shape",
+                      "no particle is inside; allowed: more cells, or a larger domain");
   PetscCall(PetscMalloc1(l->nspans, &l->spans));
   l->shape = MpmShapeNames[shape];
   (void)FindSpans(scene, (Shape)shape, l->spans, &l->particles);

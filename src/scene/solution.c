@@ -56,25 +56,21 @@ static PetscErrorCode CheckSpace(const MpmSettings *settings, const MpmScene *sc
   const MpmLayout *l = &scene->layout;
 
   PetscFunctionBegin;
-  if (l->dim < s->least || l->dim > s->most)
-    PetscCall(MpmSettingsRefuse(settings, "initial",
-                                s->most == 1 ? "its exact solution is of one dimension; allowed: dim 1"
-                                             : "its exact solution is of the plane; allowed: dim 2"));
-  if (!s->any && scene->law != s->law)
-    PetscCall(MpmSettingsRefuse(settings, "initial",
-                                s->law == &MpmLawNeo
-                                    ? "its exact solution is of another material; allowed: material neo"
-                                    : "its exact solution is of another material; allowed: material gas"));
-  if (s->any && !scene->law->solid)
-    PetscCall(MpmSettingsRefuse(settings, "initial", "it is of a solid; allowed: material uniform, neo or svk"));
+  MpmSettingsRefuseIf(l->dim < s->least || l->dim > s->most, settings, "initial",
+                      s->most == 1 ? "its exact solution is of one dimension; allowed: dim 1"
+                                   : "its exact solution is of the plane; allowed: dim 2");
+  MpmSettingsRefuseIf(!s->any && scene->law != s->law, settings, "initial",
+                      s->law == &MpmLawNeo ? "its exact solution is of another material; allowed: material neo"
+                                           : "its exact solution is of another material; allowed: material gas");
+  MpmSettingsRefuseIf(s->any && !scene->law->solid, settings, "initial",
+                      "it is of a solid; allowed: material uniform, neo or svk");
   for (PetscInt a = 0; a < l->dim; a++) {
-    if (scene->stretch[a] != 1)
-      PetscCall(MpmSettingsRefuse(settings, "initial", "its exact solution starts from rest; allowed: stretch 1"));
-    if (scene->step.drift[a].value != 0 || scene->gravity[a] != 0)
-      PetscCall(MpmSettingsRefuse(settings, "initial",
-                                  "its exact solution is without drift, velocity and gravity; allowed: none of them"));
+    MpmSettingsRefuseIf(scene->stretch[a] != 1, settings, "initial",
+                        "its exact solution starts from rest; allowed: stretch 1");
+    MpmSettingsRefuseIf(scene->step.drift[a].value != 0 || scene->gravity[a] != 0, settings, "initial",
+                        "its exact solution is without drift, velocity and gravity; allowed: none of them");
   }
-  if (l->counts.n > 1) PetscCall(MpmSettingsRefuse(settings, "initial", "allowed: with ppc, and not with counts"));
+  MpmSettingsRefuseIf(l->counts.n > 1, settings, "initial", "allowed: with ppc, and not with counts");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

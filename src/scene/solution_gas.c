@@ -84,10 +84,9 @@ static void SetDensity(MpmScene *scene, MpmMaterialKind kind, PetscReal ratio)
 static PetscErrorCode SimpleWaveCheck(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
-  if (!MpmSceneIsPeriodic(scene))
-    PetscCall(MpmSettingsRefuse(settings, "boundary", "the wave goes round; allowed: periodic"));
-  if (!MpmLayoutIsFull(&scene->layout))
-    PetscCall(MpmSettingsRefuse(settings, "initial", "its exact solution fills the domain; allowed: without fill"));
+  MpmSettingsRefuseIf(!MpmSceneIsPeriodic(scene), settings, "boundary", "the wave goes round; allowed: periodic");
+  MpmSettingsRefuseIf(!MpmLayoutIsFull(&scene->layout), settings, "initial",
+                      "its exact solution fills the domain; allowed: without fill");
   SetDensity(scene, MPM_MATERIAL_WAVE, exp(scene->amplitude / scene->wave_speed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -154,11 +153,10 @@ static PetscErrorCode ShockTubeCheck(const MpmSettings *settings, MpmScene *scen
   const MpmEnd *ends = scene->layout.grid[0].ends;
 
   PetscFunctionBegin;
-  if (!MpmEndIsFixed(ends[0]) || !MpmEndIsFixed(ends[1]))
-    PetscCall(
-        MpmSettingsRefuse(settings, "boundary", "walls hold the pressure; allowed: fixed, fixed_reaction or symmetry"));
-  if (!MpmLayoutIsFull(&scene->layout))
-    PetscCall(MpmSettingsRefuse(settings, "initial", "its exact solution fills the domain; allowed: without fill"));
+  MpmSettingsRefuseIf(!MpmEndIsFixed(ends[0]) || !MpmEndIsFixed(ends[1]), settings, "boundary",
+                      "walls hold the pressure; allowed: fixed, fixed_reaction or symmetry");
+  MpmSettingsRefuseIf(!MpmLayoutIsFull(&scene->layout), settings, "initial",
+                      "its exact solution fills the domain; allowed: without fill");
   SetDensity(scene, MPM_MATERIAL_TWO, RATIO);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

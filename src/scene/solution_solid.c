@@ -118,19 +118,16 @@ static PetscErrorCode ManufacturedCheck(const MpmSettings *settings, MpmScene *s
   for (PetscInt a = 0; a < scene->layout.dim; a++) {
     const MpmEnd *ends = scene->layout.grid[a].ends;
 
-    if (2 * PETSC_PI * scene->amplitude >= scene->length[a])
-      PetscCall(MpmSettingsRefuse(settings, "amplitude",
-                                  "the material would be compressed to nothing; allowed: less than length / (2 pi)"));
-    if (ends[0] == MPM_FREE || ends[1] == MPM_FREE)
-      PetscCall(MpmSettingsRefuse(settings, "boundary", "nothing holds a free end; allowed: periodic or walls"));
-    if (scene->layout.dim > 1 && (ends[0] == MPM_FIXED || ends[0] == MPM_FIXED_REACTION || ends[1] == MPM_FIXED ||
-                                  ends[1] == MPM_FIXED_REACTION))
-      PetscCall(MpmSettingsRefuse(settings, "boundary",
-                                  "the material slides along the walls; allowed: periodic or symmetry"));
+    MpmSettingsRefuseIf(2 * PETSC_PI * scene->amplitude >= scene->length[a], settings, "amplitude",
+                        "the material would be compressed to nothing; allowed: less than length / (2 pi)");
+    MpmSettingsRefuseIf(ends[0] == MPM_FREE || ends[1] == MPM_FREE, settings, "boundary",
+                        "nothing holds a free end; allowed: periodic or walls");
+    MpmSettingsRefuseIf(scene->layout.dim > 1 && (ends[0] == MPM_FIXED || ends[0] == MPM_FIXED_REACTION ||
+                                                  ends[1] == MPM_FIXED || ends[1] == MPM_FIXED_REACTION),
+                        settings, "boundary", "the material slides along the walls; allowed: periodic or symmetry");
   }
-  if (!MpmLayoutIsFull(&scene->layout))
-    PetscCall(
-        MpmSettingsRefuse(settings, "initial", "its exact solution fills the domain; allowed: without fill and shape"));
+  MpmSettingsRefuseIf(!MpmLayoutIsFull(&scene->layout), settings, "initial",
+                      "its exact solution fills the domain; allowed: without fill and shape");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -222,13 +219,11 @@ static PetscErrorCode VortexCheck(const MpmSettings *settings, MpmScene *scene)
   const MpmLayout *l = &scene->layout;
 
   PetscFunctionBegin;
-  if (l->row[0] * l->row[1] != l->sites || (l->shape && strcmp(l->shape, "ring")))
-    PetscCall(MpmSettingsRefuse(settings, "initial",
-                                "its exact solution fills the ring; allowed: without fill, and shape box or ring"));
+  MpmSettingsRefuseIf(l->row[0] * l->row[1] != l->sites || (l->shape && strcmp(l->shape, "ring")), settings, "initial",
+                      "its exact solution fills the ring; allowed: without fill, and shape box or ring");
   for (PetscInt a = 0; a < 2; a++)
-    if (scene->length[a] < 2 * RADIUS + WIDTH)
-      PetscCall(
-          MpmSettingsRefuse(settings, "length", "the ring of the vortex needs 2.5 units of it; allowed: 2.5 or more"));
+    MpmSettingsRefuseIf(scene->length[a] < 2 * RADIUS + WIDTH, settings, "length",
+                        "the ring of the vortex needs 2.5 units of it; allowed: 2.5 or more");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

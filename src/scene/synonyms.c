@@ -4,38 +4,17 @@
 #include <string.h>
 #include <strings.h>
 
-static const char *const options[][2] = {{"cfl", "courant"},
-                                         {"cfl_number", "courant"},
-                                         {"courant_number", "courant"},
-                                         {"E", "young"},
-                                         {"youngs_modulus", "young"},
-                                         {"nu", "poisson"},
-                                         {"poissons_ratio", "poisson"},
-                                         {"rho", "density"},
-                                         {"K", "bulk"},
-                                         {"G", "shear"},
-                                         {"o", "output"},
-                                         {"out", "output"},
-                                         {"dx", "cell_width"},
-                                         {"time_step", "dt"},
-                                         {"timestep", "dt"},
-                                         {"delta_t", "dt"},
-                                         {"particles_per_cell", "ppc"},
-                                         {"n_cells", "cells"},
-                                         {"ncells", "cells"},
-                                         {"dimension", "dim"},
-                                         {"dimensions", "dim"},
-                                         {"ndim", "dim"},
-                                         {"method", "formulation"},
-                                         {"stress_update", "formulation"},
-                                         {"shape", "basis"},
-                                         {"shape_function", "basis"},
-                                         {"kernel", "basis"},
-                                         {"flip_ratio", "blend_ratio"},
-                                         {"bc", "boundary"},
-                                         {"U0", "velocity"},
-                                         {"speed", "velocity"},
-                                         {"tol", "tolerance"}};
+/* clang-format off */
+static const char *const options[][2] = {
+    {"cfl", "courant"}, {"cfl_number", "courant"}, {"courant_number", "courant"}, {"E", "young"},
+    {"youngs_modulus", "young"}, {"nu", "poisson"}, {"poissons_ratio", "poisson"}, {"rho", "density"}, {"K", "bulk"},
+    {"G", "shear"}, {"o", "output"}, {"out", "output"}, {"dx", "cell_width"}, {"time_step", "dt"}, {"timestep", "dt"},
+    {"delta_t", "dt"}, {"particles_per_cell", "ppc"}, {"n_cells", "cells"}, {"ncells", "cells"}, {"dimension", "dim"},
+    {"dimensions", "dim"}, {"ndim", "dim"}, {"method", "formulation"}, {"stress_update", "formulation"},
+    {"shape", "basis"}, {"shape_function", "basis"}, {"kernel", "basis"}, {"flip_ratio", "blend_ratio"},
+    {"bc", "boundary"}, {"U0", "velocity"}, {"speed", "velocity"}, {"tol", "tolerance"},
+};
+/* clang-format on */
 
 /* option, the word, and what it is here */
 static const char *const words[][3] = {

@@ -190,7 +190,7 @@ static PetscErrorCode RefuseName(const Reader *r, const char name[])
   ierr =
       MpmWrittenRefuse(w, r->text, "there is no field or parameter %s; allowed: %s%s%s%s", name,
                        all.text ? all.text : "none", near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
-  PetscCall(MpmTextFree(&all));
+  MpmTextFree(&all);
   PetscFunctionReturn(ierr);
 }
 

@@ -31,14 +31,14 @@ static PetscErrorCode FactorText(const MpmOp *op, size_t room, char text[])
 
     (void)snprintf(number, sizeof number, "%.*g", digits, size);
     if (strtod(number, NULL) != size) continue;
-    PetscCall(MpmTextJoin(text, number, room));
-    PetscCall(MpmTextJoin(text, " ", room));
+    MpmTextJoin(text, number, room);
+    MpmTextJoin(text, " ", room);
     break;
   }
   if (power > 1)
     (void)snprintf(text + strlen(text), room - strlen(text), "k^%" PetscInt_FMT " ", power);
   else if (power)
-    PetscCall(MpmTextJoin(text, "k ", room));
+    MpmTextJoin(text, "k ", room);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -115,10 +115,10 @@ static PetscErrorCode SetText(const MpmFormulation *f, PetscInt n, const MpmOp o
         !op->accumulates)
       break;
     PetscCall(FactorText(op, sizeof factor, factor));
-    PetscCall(MpmTextJoin(text, *used > 1 ? " + " : " ", room));
-    PetscCall(MpmTextJoin(text, factor, room));
-    PetscCall(MpmTextJoin(text, Word(f, op), room));
-    PetscCall(MpmTextJoin(text, (op->kind == MPM_ADD ? f->particle_fields : f->node_fields)[op->src], room));
+    MpmTextJoin(text, *used > 1 ? " + " : " ", room);
+    MpmTextJoin(text, factor, room);
+    MpmTextJoin(text, Word(f, op), room);
+    MpmTextJoin(text, (op->kind == MPM_ADD ? f->particle_fields : f->node_fields)[op->src], room);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

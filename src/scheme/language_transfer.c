@@ -199,8 +199,8 @@ static PetscErrorCode KeepScaled(const MpmFormulation *f, const MpmOp *scale, co
   if (scale->factor == 0)
     (void)snprintf(text, sizeof text, "%s = ", f->particle_fields[scale->dst]);
   else
-    PetscCall(MpmTextJoin(text, " + ", sizeof text));
-  PetscCall(MpmTextJoin(text, strstr(taken, "+= ") + 3, sizeof text));
+    MpmTextJoin(text, " + ", sizeof text);
+  MpmTextJoin(text, strstr(taken, "+= ") + 3, sizeof text);
   PetscCall(KeepLine(t, text));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

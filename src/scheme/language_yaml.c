@@ -309,8 +309,8 @@ static PetscErrorCode FindKey(const Reader *r, const char what[], size_t n, cons
   for (*at = 0; *at < n; ++*at) {
     if (!strcmp(key, keys[*at].name)) PetscFunctionReturn(PETSC_SUCCESS);
     names[*at] = keys[*at].name;
-    PetscCall(MpmTextJoin(all, *at == 0 ? "" : *at < n - 1 ? ", " : " and ", sizeof all));
-    PetscCall(MpmTextJoin(all, names[*at], sizeof all));
+    MpmTextJoin(all, *at == 0 ? "" : *at < n - 1 ? ", " : " and ", sizeof all);
+    MpmTextJoin(all, names[*at], sizeof all);
   }
   near = MpmSuggest(key, (PetscInt)n, names);
   MpmRefuse("%s:%d: unknown key '%.100s' in a %s; allowed: %s%s%s%s", r->written->file, LineOf(node), key, what, all,

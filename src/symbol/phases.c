@@ -13,7 +13,7 @@ PetscErrorCode MpmPhasesText(PetscInt dim, const PetscInt each[], size_t room, c
     char part[16];
 
     PetscCall(PetscSNPrintf(part, sizeof part, "%s%" PetscInt_FMT, a ? "," : "", each[a]));
-    PetscCall(MpmTextJoin(text, part, room));
+    MpmTextJoin(text, part, room);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

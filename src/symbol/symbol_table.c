@@ -110,7 +110,7 @@ static PetscErrorCode Describe(TableMatrix *t, const MpmStep *step, MpmSource *s
   MpmPhasesSymmetries(layout, &b->scheme->space, step->drift, source->reflects, source->alike);
   if (layout->dim == 1) source->reflects[0] = PETSC_FALSE; /* that is beta and -beta, known besides */
   MpmBlochCountNull(b, &source->null_rest, &source->null_all, &source->null_factor);
-  PetscCall(MpmLayoutSizeText(layout, sizeof source->name, source->name));
+  MpmLayoutSizeText(layout, sizeof source->name, source->name);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -18,16 +18,15 @@ typedef struct {
 
    repository - owner/name
    version    - the commit that was read, and its date
-   options    - up to one whose name is NULL; those of one file follow one another
    scheme     - options of this program: the scheme that the code runs unless it is told otherwise; NULL: it has none, or
                 none that is a scheme of this program
    limit      - what 'critical' with these options prints: the largest stable c dt / h in one dimension, two particles a
                 cell, at rest; NULL without a scheme
+   options    - up to one whose name is NULL; those of one file follow one another
 S*/
 typedef struct {
-  const char          *name, *repository, *version;
+  const char          *name, *repository, *version, *scheme, *limit;
   const MpmCodeOption *options;
-  const char          *scheme, *limit;
 } MpmCode;
 
 /* Up to one whose name is NULL. */

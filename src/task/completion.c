@@ -11,7 +11,7 @@ static PetscBool TakesFile(const MpmField *o)
 
 static void PrintWords(const MpmField *o)
 {
-  for (PetscInt i = 0; o->word(i); i++) MpmPrint("%s%s", i ? " " : "", o->word(i));
+  for (PetscInt i = 0; MpmFieldWord(o, i); i++) MpmPrint("%s%s", i ? " " : "", MpmFieldWord(o, i));
 }
 
 static void PrintBash(void)
@@ -26,7 +26,7 @@ static void PrintBash(void)
            "  case $prev in\n");
   for (const MpmField *o = MpmOptions; o->name; o++) {
     if (TakesFile(o)) MpmPrint("    -%s) COMPREPLY=($(compgen -f -- \"$cur\")); return ;;\n", o->name);
-    if (!o->word) continue;
+    if (!MpmFieldWord(o, 0)) continue;
     MpmPrint("    -%s) COMPREPLY=($(compgen -W '", o->name);
     PrintWords(o);
     MpmPrint("' -- \"$cur\")); return ;;\n");
@@ -36,7 +36,7 @@ static void PrintBash(void)
   for (const MpmTask *task = MpmTasks; task->name; task++) {
     MpmPrint("    %s) options='", task->name);
     for (const MpmField *o = MpmOptions; o->name; o++)
-      if (strcmp(task->name, "list") && (!o->tasks || strstr(o->tasks, task->name))) MpmPrint("-%s ", o->name);
+      if (strcmp(task->name, "list") && MpmFieldIsOf(o, task->name)) MpmPrint("-%s ", o->name);
     MpmPrint("' ;;\n");
   }
   MpmPrint("  esac\n"
@@ -69,7 +69,7 @@ static void PrintZsh(void)
     PrintHelpOf(o);
     MpmPrint("]");
     if (TakesFile(o)) MpmPrint(":file:_files");
-    if (o->word) {
+    if (MpmFieldWord(o, 0)) {
       MpmPrint(":word:(");
       PrintWords(o);
       MpmPrint(")");
@@ -80,12 +80,10 @@ static void PrintZsh(void)
   MpmPrint("  '*:scene:_files -g \"*.y(a|)ml\"'\n");
 }
 
-PetscErrorCode MpmPrintCompletion(PetscBool zsh)
+void MpmPrintCompletion(PetscBool zsh)
 {
-  PetscFunctionBegin;
   if (zsh)
     PrintZsh();
   else
     PrintBash();
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

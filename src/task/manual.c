@@ -31,18 +31,17 @@ static void PutOption(const MpmField *o)
   Put(o->help);
   if (o->tasks) MpmPrint(". Tasks: %s", o->tasks);
   MpmPrint(".\n");
-  if (!o->word) return;
+  if (!MpmFieldWord(o, 0)) return;
   MpmPrint("Words:");
-  for (PetscInt i = 0; o->word(i); i++) {
+  for (PetscInt i = 0; MpmFieldWord(o, i); i++) {
     MpmPrint(i ? ", " : " ");
-    Put(o->word(i));
+    Put(MpmFieldWord(o, i));
   }
   MpmPrint(".\n");
 }
 
-PetscErrorCode MpmPrintManual(void)
+void MpmPrintManual(void)
 {
-  PetscFunctionBegin;
   MpmPrint(
       ".TH MPMSTAB 1 \"\" \"mpmstab %s\" \"User commands\"\n"
       ".SH NAME\nmpmstab \\- stability and accuracy of the material point method\n"
@@ -67,5 +66,4 @@ PetscErrorCode MpmPrintManual(void)
            "allowed. 3: done, but something came out that the scene does not expect. 143: a signal ended the work.\n"
            ".SH MPI\nAs root, Open MPI's mpirun wants OMPI_ALLOW_RUN_AS_ROOT=1 and OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 in "
            "the environment; with more ranks than cores it wants \\-\\-oversubscribe.\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -10,5 +10,5 @@
    Collective: the first rank prints.
 */
 PetscErrorCode MpmPrintSchema(void);
-PetscErrorCode MpmPrintCompletion(PetscBool zsh);
-PetscErrorCode MpmPrintManual(void);
+void           MpmPrintCompletion(PetscBool zsh);
+void           MpmPrintManual(void);

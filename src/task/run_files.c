@@ -155,13 +155,13 @@ static PetscErrorCode KeepLastWhole(const Files *files, PetscReal started, MpmRu
   request.steps     = failed->steps;
   request.tangent   = MPM_TANGENT_NONE;
   request.output[0] = request.xmf[0] = request.csv[0] = request.json[0] = '\0';
-  if (files->kept != MPM_NEVER) PetscCall(PetscStrncpy(request.restart, request.checkpoint, sizeof request.restart));
+  if (files->kept != MPM_NEVER) (void)snprintf(request.restart, sizeof request.restart, "%s", request.checkpoint);
   if (files->kept != failed->steps) {
     PetscCall(MpmRunCreate(files->scene, &request, &callbacks, started, &run));
     PetscCall(MpmRunDestroy(&run));
   }
-  PetscCall(PetscSNPrintf(more, sizeof more, "; the checkpoint has the state of step %" PetscInt64_FMT, failed->steps));
-  PetscCall(MpmTextJoin(failed->failure, more, sizeof failed->failure));
+  (void)snprintf(more, sizeof more, "; the checkpoint has the state of step %" PetscInt64_FMT, failed->steps);
+  MpmTextJoin(failed->failure, more, sizeof failed->failure);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -35,7 +35,7 @@ static json_t *Word(const MpmField *o)
 {
   json_t *words = json_array();
 
-  for (PetscInt i = 0; o->word(i); i++) json_array_append_new(words, json_string(o->word(i)));
+  for (PetscInt i = 0; MpmFieldWord(o, i); i++) json_array_append_new(words, json_string(MpmFieldWord(o, i)));
   return json_pack("{s:o}", "enum", words);
 }
 

@@ -76,7 +76,7 @@ static PetscErrorCode Compare(MpmProgram *p, MpmCompareProgram *compare, json_t 
   PetscCall(MpmUnreadDestroy(&p->unread));
   PetscCall(MpmProgramBlocks(p, &blocks, NULL));
   PetscCall(MpmCompareProgramFind(p, &blocks, NAN, compare));
-  PetscCall(MpmReportCompare(p, compare));
+  MpmReportCompare(p, compare);
   json_object_set_new(one, "comparison", MpmJsonCompare(compare));
   PetscCall(MpmCompareProgramDestroy(compare));
   PetscCall(MpmBlocksFree(&blocks));
@@ -90,28 +90,26 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   MpmCompareProgram compare;
   MpmSpectrum      *s;
   MpmCarriers       carriers;
-  PetscMPIInt       ranks;
   json_t           *one;
   Mat               A, B;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   PetscCall(MpmProgramPrepare(p));
   PetscCall(CheckShell(p));
   if (request->compare[0]) PetscCall(MpmCompareProgramBegin(p, &compare));
   if (states->most)
     MpmPrint("\n");
   else
-    PetscCall(MpmReportProgram(p, ranks));
+    MpmReportProgram(p);
   if (request->at[0]) MpmPrint("the state after %" PetscInt_FMT " steps\n", at);
   PetscCall(MpmProgramMatrix(p, &A, &B));
-  PetscCall(MpmReportCertificates(&p->certificates));
-  PetscCall(MpmReportApart(p));
+  MpmReportCertificates(&p->certificates);
+  MpmReportApart(p);
   PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, request, started, &s));
   PetscCall(MpmProgramJudgeSpectrum(p, B, s));
   PetscCall(MpmCarriersFind(p, s, &carriers));
   PetscCall(MpmSpectrumPrint(NULL, request, s, NULL));
-  PetscCall(MpmReportCarriers(&carriers));
+  MpmReportCarriers(&carriers);
   one = json_object();
   json_object_set_new(one, "probing", MpmJsonProgram(p));
   json_object_set_new(one, "carriers", MpmJsonCarriers(&carriers));

@@ -26,7 +26,6 @@ typedef struct {
   PetscReal         worst_uncertainty;
   MpmCompareProgram compare;
   MpmFinding        finding;
-  PetscMPIInt       ranks;
 } Answer;
 
 /* Takes the phase of the symbol where the search between its phases has found no larger growth. */
@@ -47,16 +46,15 @@ static PetscErrorCode Compare(Answer *a)
 static PetscErrorCode Judge(const MpmRequest *request, Answer *a)
 {
   MpmFinding *f = &a->finding;
-  char        phases[64];
 
   PetscFunctionBegin;
   *f = (MpmFinding){.tolerance       = request->tolerance,
                     .growth          = a->worst.growth,
                     .uncertainty     = a->worst_uncertainty,
                     .defective_error = a->symbol->defective_error};
-  PetscCall(MpmReportCounts(a->blocks.dim, a->symbol->phases, sizeof phases, phases));
-  PetscCall(PetscSNPrintf(f->evidence, sizeof f->evidence,
-                          "the symbol at %s phases, and a search between them from where growth is largest", phases));
+  (void)snprintf(f->evidence, sizeof f->evidence,
+                 "the symbol at %s phases, and a search between them from where growth is largest",
+                 MpmCountsText(a->blocks.dim, a->symbol->phases, MPM_VECTOR_ROOM));
   f->verdict = MpmVerdictOf(f);
   if (MpmRequestProbes(request)) {
     MpmSource       source;
@@ -82,10 +80,10 @@ static PetscErrorCode GetBlocks(const MpmRequest *request, Answer *a)
   PetscCall(MpmProgramOpen(request, &a->program));
   PetscCall(MpmProgramPrepare(&a->program));
   if (request->compare[0]) PetscCall(MpmCompareProgramBegin(&a->program, &a->compare));
-  PetscCall(MpmReportProgram(&a->program, a->ranks));
+  MpmReportProgram(&a->program);
   PetscCall(MpmProgramBlocks(&a->program, &a->blocks, &a->other));
-  PetscCall(MpmReportCertificates(&a->program.certificates));
-  PetscCall(MpmReportApart(&a->program));
+  MpmReportCertificates(&a->program.certificates);
+  MpmReportApart(&a->program);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -96,7 +94,6 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
   MpmSource      source;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(comm, &a->ranks));
   PetscCall(GetBlocks(request, a));
   PetscCall(MpmBlocksSource(&a->blocks, MpmRequestSource(request), &source));
   PetscCall(MpmRequestPhases(request, source.dim, wish.phases));
@@ -108,40 +105,38 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Print(const MpmRequest *request, const Answer *a)
+static void Print(const MpmRequest *request, const Answer *a)
 {
   const PetscInt dim = a->blocks.dim;
-  char           beta[96], phases[64], text[256];
+  char           text[256];
 
-  PetscFunctionBegin;
   if (!MpmRequestProbes(request)) {
-    PetscCall(MpmReportFile(request, "the blocks", a->ranks));
-    if (MpmCertificatesTaken(&a->certificates)) PetscCall(MpmReportCertificates(&a->certificates));
+    MpmReportFile(request, "the blocks");
+    if (MpmCertificatesTaken(&a->certificates)) MpmReportCertificates(&a->certificates);
   }
   MpmPrint("%" PetscInt_FMT " blocks of %" PetscInt_FMT " unknowns a cell, %" PetscInt_FMT
            " direction%s, of %" PetscInt_FMT " step%s\n\ngrowth per step\n",
            a->blocks.n, a->blocks.size, dim, dim == 1 ? "" : "s", a->blocks.period, a->blocks.period == 1 ? "" : "s");
-  PetscCall(MpmReportVector(dim, a->symbol->beta_at_max, 6, sizeof beta, beta));
-  PetscCall(MpmReportCounts(dim, a->symbol->phases, sizeof phases, phases));
-  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s of %s phases", beta, phases));
-  PetscCall(MpmReportGrowth("symbol", a->symbol->growth, text));
-  PetscCall(MpmReportVector(dim, a->beta, 6, sizeof beta, beta));
-  PetscCall(PetscSNPrintf(text, sizeof text, "at beta = %s, the largest of a search between these phases", beta));
-  PetscCall(MpmReportGrowth("all waves", a->worst.growth, text));
-  if (request->compare[0]) PetscCall(MpmReportCompare(&a->program, &a->compare));
+  (void)snprintf(text, sizeof text, "at beta = %s of %s phases",
+                 MpmVectorText(dim, a->symbol->beta_at_max, 6, MPM_VECTOR_ROOM),
+                 MpmCountsText(dim, a->symbol->phases, MPM_VECTOR_ROOM));
+  MpmReportGrowth("symbol", a->symbol->growth, text);
+  (void)snprintf(text, sizeof text, "at beta = %s, the largest of a search between these phases",
+                 MpmVectorText(dim, a->beta, 6, MPM_VECTOR_ROOM));
+  MpmReportGrowth("all waves", a->worst.growth, text);
+  if (request->compare[0]) MpmReportCompare(&a->program, &a->compare);
   MpmPrint("\n");
-  PetscCall(MpmReportFinding(&a->finding, a->worst.condition));
+  MpmReportFinding(&a->finding, a->worst.condition);
   MpmPrint("time: %.3g s\n", a->symbol->seconds);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode WriteJson(const MpmRequest *request, const Answer *a, PetscReal started)
 {
   const MpmBlocks *b = &a->blocks;
-  json_t          *object, *beta = json_array(), *blocks, *refined;
+  json_t          *object, *blocks;
 
   PetscFunctionBegin;
-  PetscCall(MpmJsonFile(request, a->ranks, MPI_Wtime() - started, &object));
+  PetscCall(MpmJsonFile(request, MPI_Wtime() - started, &object));
   MpmJsonSetFinding(object, &a->finding);
   blocks = json_pack("{s:i, s:i, s:i, s:i}", "dim", (int)b->dim, "unknowns", (int)b->size, "blocks", (int)b->n,
                      "period_steps", (int)b->period);
@@ -155,13 +150,9 @@ static PetscErrorCode WriteJson(const MpmRequest *request, const Answer *a, Pets
     json_object_set_new(object, "scales", MpmJsonScales(&a->certificates));
   }
   json_object_set_new(object, "symbol", MpmJsonSymbol(a->symbol));
-  for (PetscInt i = 0; i < b->dim; i++) json_array_append_new(beta, json_real(a->beta[i]));
-  refined = json_object();
-  MpmJsonSet(refined, "growth", a->worst.growth);
-  MpmJsonSet(refined, "condition", a->worst.condition);
-  json_object_set(refined, "beta_at_max", b->dim == 1 ? json_array_get(beta, 0) : beta);
-  json_decref(beta);
-  json_object_set_new(object, "refined", refined);
+  MpmJsonSet(object, "refined.growth", a->worst.growth);
+  MpmJsonSet(object, "refined.condition", a->worst.condition);
+  MpmJsonSetVector(object, "refined.beta_at_max", b->dim, a->beta);
   PetscCall(MpmJsonWrite(request->json, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -188,7 +179,7 @@ PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, P
   PetscCall(Compute(request, &answer));
   PetscCall(WriteFiles(request, &answer));
   if (request->json[0]) PetscCall(WriteJson(request, &answer, started));
-  PetscCall(Print(request, &answer));
+  Print(request, &answer);
   PetscCall(MpmExpectFinding(&request->expect, &answer.finding, missed));
   PetscCall(MpmSymbolDestroy(&answer.symbol));
   PetscCall(MpmBlocksFree(&answer.blocks));

@@ -2,16 +2,6 @@
 #pragma once
 #include "scene/request.h"
 
-/*S
-   MpmTask - one task. example is a command that anybody can run. run gets the words after the task's name and sets the exit status.
-S*/
-typedef struct {
-  const char *name, *summary, *example;
-  PetscErrorCode (*run)(int argc, char **argv, PetscReal started, int *status);
-} MpmTask;
-
-extern const MpmTask MpmTasks[];
-
 /*
    Does the work of a task on its scene (NULL: a matrix takes its place) and request. missed: the number of expectations
    that are not met, or MPM_WORK_FAILED: the work has ended early, and has said why.
@@ -20,29 +10,39 @@ extern const MpmTask MpmTasks[];
 typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *request, PetscReal started,
                                        PetscInt *missed);
 
+/*S
+   MpmTask - one task. example is a command that anybody can run. work is what it does on a scene; NULL: it has none.
+S*/
+typedef struct {
+  const char  *name, *summary, *example;
+  MpmSceneWork work;
+} MpmTask;
+
+extern const MpmTask MpmTasks[];
+
 /*
    MpmTaskOnScene - makes a scene from the words [SCENE.yaml] [-option value]..., does the task's work on it, and sets
-   the exit status.
+   the exit status. MpmTaskList does the work of a task without a scene.
 
    Collective. Refuses options that nothing has read.
 */
-PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, char **argv, PetscReal started,
-                              int *status);
+PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscReal started, int *status);
+PetscErrorCode MpmTaskList(int argc, char **argv);
 
 /*
    Collective. MpmPrintUsage describes the program in ten lines, and MpmPrintHelp a task: an example, and the options that
    it reads. MpmPrintHelp refuses a name that is no task's. MpmPrintVersion prints name and version. MpmTaskNames gives
    the names of all tasks as a text for people.
 */
-PetscErrorCode MpmPrintUsage(void);
-PetscErrorCode MpmPrintVersion(void);
+void           MpmPrintUsage(void);
+void           MpmPrintVersion(void);
 PetscErrorCode MpmPrintHelp(const char task[]);
-PetscErrorCode MpmTaskNames(size_t room, char text[]);
+void           MpmTaskNames(size_t room, char text[]);
 
-PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status);
-PetscErrorCode MpmTaskSpectrum(int argc, char **argv, PetscReal started, int *status);
-PetscErrorCode MpmTaskSymbol(int argc, char **argv, PetscReal started, int *status);
-PetscErrorCode MpmTaskCritical(int argc, char **argv, PetscReal started, int *status);
-PetscErrorCode MpmTaskEnsemble(int argc, char **argv, PetscReal started, int *status);
-PetscErrorCode MpmTaskMap(int argc, char **argv, PetscReal started, int *status);
-PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status);
+/* Collective. The work of each task, in its file. */
+PetscErrorCode MpmTaskRun(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
+PetscErrorCode MpmTaskSpectrum(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
+PetscErrorCode MpmTaskSymbol(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
+PetscErrorCode MpmTaskCritical(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
+PetscErrorCode MpmTaskEnsemble(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
+PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);

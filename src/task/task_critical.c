@@ -55,26 +55,24 @@ static PetscErrorCode OfProgram(const MpmRequest *request, PetscReal started, Pe
 {
   MpmProgram         program;
   MpmCriticalProgram critical;
-  PetscMPIInt        ranks;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   MpmCheckInput(!request->csv[0], "-csv %s: a code that is probed has no row of a scheme; allowed: -json FILE",
                 request->csv);
   PetscCall(MpmProgramOpen(request, &program));
   PetscCall(MpmCriticalProgramBegin(&program, &critical));
-  PetscCall(MpmReportProgram(&program, ranks));
-  PetscCall(MpmReportCriticalPlan(&critical));
+  MpmReportProgram(&program);
+  MpmReportCriticalPlan(&critical);
   PetscCall(MpmCriticalProgramFind(&program, started, &critical));
-  if (request->json[0]) PetscCall(MpmCriticalProgramWriteJson(&program, &critical, ranks, MPI_Wtime() - started));
-  PetscCall(MpmReportCriticalProgram(&program, &critical));
+  if (request->json[0]) PetscCall(MpmCriticalProgramWriteJson(&program, &critical, MPI_Wtime() - started));
+  MpmReportCriticalProgram(&program, &critical);
   PetscCall(MpmExpectFinding(&request->expect, &critical.finding, missed));
   PetscCall(MpmExpectCritical(&request->expect, critical.critical, missed));
   PetscCall(MpmProgramClose(&program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+PetscErrorCode MpmTaskCritical(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   PetscFunctionBegin;
   *missed = 0;
@@ -91,12 +89,5 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
     PetscCall(AtMach(scene, request, started, missed));
   else
     PetscCall(One(scene, request, started, missed));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmTaskCritical(int argc, char **argv, PetscReal started, int *status)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmTaskOnScene("critical", Run, argc, argv, started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

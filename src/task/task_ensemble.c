@@ -3,7 +3,7 @@
 #include "task/expect.h"
 #include "task/task.h"
 
-static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+PetscErrorCode MpmTaskEnsemble(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmExpect    expect = request->expect;
   MpmEnsemble *ensemble;
@@ -17,12 +17,5 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   PetscCall(MpmExpectFinding(&expect, &ensemble->finding, missed));
   PetscCall(MpmExpectShare(&expect, ensemble->share, missed));
   PetscCall(MpmEnsembleDestroy(&ensemble));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmTaskEnsemble(int argc, char **argv, PetscReal started, int *status)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmTaskOnScene("ensemble", Run, argc, argv, started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

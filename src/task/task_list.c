@@ -12,11 +12,37 @@
 #include <string.h>
 #include <strings.h>
 
-static PetscErrorCode ListFormulations(void)
+/* A line of a list whose parts have a name, a summary and a source. */
+#define LIST(function, list)                                                                                           \
+  static PetscErrorCode function(void)                                                                                 \
+  {                                                                                                                    \
+    for (PetscInt i = 0; list[i]; i++)                                                                                 \
+      MpmPrint("  %-14s %s (%s)\n", list[i]->name, list[i]->summary, list[i]->reference);                              \
+    return PETSC_SUCCESS;                                                                                              \
+  }
+LIST(ListFormulations, MpmFormulations)
+LIST(ListBases, MpmBases)
+LIST(ListTransfers, MpmTransfers)
+
+/* Refuses a name that a list does not have. names: those it has. */
+static PetscErrorCode RefuseName(const char list[], const char name[], PetscInt n, const char *const names[])
 {
+  const char *near = MpmSuggest(name, n, names);
+
   PetscFunctionBegin;
-  for (PetscInt i = 0; MpmFormulations[i]; i++)
-    MpmPrint("  %-14s %s (%s)\n", MpmFormulations[i]->name, MpmFormulations[i]->summary, MpmFormulations[i]->reference);
+  MpmRefuse("list %s %.200s: allowed: a name that 'mpmstab list %s' prints%s%s%s", list, name, list,
+            near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+}
+
+static PetscErrorCode PrintWritten(MpmWritten *written)
+{
+  char *yaml;
+
+  PetscFunctionBegin;
+  PetscCall(MpmWrittenYaml(written, &yaml));
+  MpmPrint("%s", yaml);
+  PetscCall(PetscFree(yaml));
+  PetscCall(MpmWrittenDestroy(&written));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -28,24 +54,18 @@ static PetscErrorCode ListOneFormulation(const char name[])
 
   const MpmFormulation *formulation = MpmFormulationFind(name);
   MpmTable             *table;
-  const char           *names[64], *near;
+  const char           *names[64];
   MpmWritten           *written;
   PetscInt              n = 0;
-  char                 *yaml;
 
   PetscFunctionBegin;
   for (; MpmFormulations[n]; n++) names[n] = MpmFormulations[n]->name;
-  near = MpmSuggest(name, n, names);
-  MpmCheckInput(formulation, "list formulation %.200s: allowed: a name that 'mpmstab list formulation' prints%s%s%s",
-                name, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  if (!formulation) PetscCall(RefuseName("formulation", name, n, names));
   PetscCall(MpmWrittenFromFormulation(formulation, NULL, NULL, &written));
-  PetscCall(MpmWrittenYaml(written, &yaml));
-  MpmPrint("%s", yaml);
+  PetscCall(PrintWritten(written));
   PetscCall(MpmTableCreate(formulation, MpmTransferFind("flip"), &numbers, &space, &table));
   PetscCall(MpmReportNodal(table, "# in one dimension with flip, "));
   PetscCall(MpmTableDestroy(&table));
-  PetscCall(PetscFree(yaml));
-  PetscCall(MpmWrittenDestroy(&written));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -53,17 +73,15 @@ static PetscErrorCode ListOneFormulation(const char name[])
 static PetscErrorCode ListOneTransfer(const char name[], const char value[])
 {
   const MpmTransfer *transfer = MpmTransferFind(name);
-  const char        *names[64], *near, *text = value;
-  MpmSchemeNumbers   numbers;
+  const char        *names[64], *text = value;
+  MpmSchemeNumbers   numbers = {.order = 1};
   MpmWritten        *written;
   PetscInt           n = 0;
-  char              *yaml, *end;
+  char              *end;
 
   PetscFunctionBegin;
   for (; MpmTransfers[n]; n++) names[n] = MpmTransfers[n]->name;
-  near = MpmSuggest(name, n, names);
-  MpmCheckInput(transfer, "list transfer %.200s: allowed: a name that 'mpmstab list transfer' prints%s%s%s", name,
-                near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  if (!transfer) PetscCall(RefuseName("transfer", name, n, names));
   MpmCheckInput(!value || transfer->option, "list transfer %s %.100s: it has no number; allowed: the name alone", name,
                 value);
   if (transfer->option) {
@@ -77,29 +95,9 @@ static PetscErrorCode ListOneTransfer(const char name[], const char value[])
                   "list transfer %s %.100s: allowed: a value of %s, from %.6g to %.6g", name, text, transfer->option,
                   option->lo, option->hi);
     numbers = (MpmSchemeNumbers){.order = (PetscInt)number, .ratio = number, .affine_ratio = number};
-  } else
-    numbers = (MpmSchemeNumbers){.order = 1};
+  }
   PetscCall(MpmWrittenFromTransfer(transfer, &numbers, &written));
-  PetscCall(MpmWrittenYaml(written, &yaml));
-  MpmPrint("%s", yaml);
-  PetscCall(PetscFree(yaml));
-  PetscCall(MpmWrittenDestroy(&written));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ListBases(void)
-{
-  PetscFunctionBegin;
-  for (PetscInt i = 0; MpmBases[i]; i++)
-    MpmPrint("  %-14s %s (%s)\n", MpmBases[i]->name, MpmBases[i]->summary, MpmBases[i]->reference);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ListTransfers(void)
-{
-  PetscFunctionBegin;
-  for (PetscInt i = 0; MpmTransfers[i]; i++)
-    MpmPrint("  %-14s %s (%s)\n", MpmTransfers[i]->name, MpmTransfers[i]->summary, MpmTransfers[i]->reference);
+  PetscCall(PrintWritten(written));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -202,23 +200,21 @@ static PetscErrorCode PrintInstalled(const char word[], PetscBool *found)
   if (!strcmp(word, "schema"))
     PetscCall(MpmPrintSchema());
   else if (!strcmp(word, "man"))
-    PetscCall(MpmPrintManual());
+    MpmPrintManual();
   else if (!strcmp(word, "completion-bash") || !strcmp(word, "completion-zsh"))
-    PetscCall(MpmPrintCompletion(word[11] == 'z' ? PETSC_TRUE : PETSC_FALSE));
+    MpmPrintCompletion(word[11] == 'z' ? PETSC_TRUE : PETSC_FALSE);
   else
     *found = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTaskList(int argc, char **argv, PetscReal started, int *status)
+PetscErrorCode MpmTaskList(int argc, char **argv)
 {
   const char *names[PETSC_STATIC_ARRAY_LENGTH(lists)];
   PetscBool   found = PETSC_FALSE;
   const char *near;
 
   PetscFunctionBegin;
-  (void)started;
-  *status = MPM_EXIT_DONE;
   if (argc == 1) PetscCall(PrintInstalled(argv[0], &found));
   if (found) PetscFunctionReturn(PETSC_SUCCESS);
   if (argc == 2 && IsCalled(argv[0], 0)) {

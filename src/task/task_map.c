@@ -4,7 +4,7 @@
 #include "report/results.h"
 #include "task/task.h"
 
-static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmExpect        expect = request->expect;
   MpmProgram       program;
@@ -25,12 +25,5 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   PetscCall(MpmExpectFinding(&expect, &map->finding, missed));
   PetscCall(MpmStabilityMapDestroy(&map));
   if (!scene) PetscCall(MpmProgramClose(&program));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmTaskMap(int argc, char **argv, PetscReal started, int *status)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmTaskOnScene("map", Run, argc, argv, started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,19 +5,17 @@
 #include "task/run_files.h"
 #include "task/task.h"
 
-static PetscErrorCode PrintStopped(const MpmRun *run, const MpmRequest *request)
+static void PrintStopped(const MpmRun *run, const MpmRequest *request)
 {
-  PetscFunctionBegin;
   MpmPrint("stopped at step %" PetscInt64_FMT, run->steps);
   if (request->end > 0)
     MpmPrint(", at time %.6g of %.6g", run->time, request->end);
   else
     MpmPrint(" of %" PetscInt64_FMT, request->steps);
   MpmPrint("; to go on: the same command with -restart %s\n", request->checkpoint);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+PetscErrorCode MpmTaskRun(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmRun *run;
 
@@ -28,19 +26,12 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
     MpmPrintFailure(run->failure);
     *missed = MPM_WORK_FAILED;
   } else if (run->stopped)
-    PetscCall(PrintStopped(run, request));
+    PrintStopped(run, request);
   else {
     if (request->json[0]) PetscCall(MpmRunWriteJson(run));
     PetscCall(MpmRunPrint(run));
     PetscCall(MpmExpectRun(run, missed));
   }
   PetscCall(MpmRunDestroy(&run));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmTaskRun(int argc, char **argv, PetscReal started, int *status)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmTaskOnScene("run", Run, argc, argv, started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -5,6 +5,7 @@
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "linalg/eigen.h"
+#include "report/report.h"
 #include "report/results.h"
 #include "task/spectrum_program.h"
 #include "task/task.h"
@@ -65,14 +66,13 @@ static PetscErrorCode OfTangent(const MpmScene *scene, const MpmRequest *request
 {
   MpmSpectrum *s;
   PetscReal    mismatch;
-  json_t      *more = json_object(), *tangent = json_object();
+  json_t      *more = json_object();
 
   PetscFunctionBegin;
   PetscCall(MpmFrozenSpectrum(scene, request, started, &s, &mismatch));
   PetscCall(MpmSpectrumWriteFiles(s));
-  json_object_set_new(more, "tangent", tangent);
-  json_object_set_new(tangent, "at_step", json_integer(request->at_step));
-  if (isfinite(mismatch)) json_object_set_new(tangent, "step_mismatch", json_real(mismatch));
+  MpmJsonSetCount(more, "tangent.at_step", request->at_step);
+  MpmJsonSet(more, "tangent.step_mismatch", mismatch);
   if (request->json[0]) PetscCall(MpmSpectrumWriteJson(scene, request, s, NULL, s->wall_s, more));
   json_decref(more);
   PetscCall(MpmSpectrumPrint(scene, request, s, NULL));
@@ -87,7 +87,7 @@ static PetscErrorCode OfTangent(const MpmScene *scene, const MpmRequest *request
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+PetscErrorCode MpmTaskSpectrum(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmSpectrum      *bulk = NULL;
   MpmCertificates   certificates;
@@ -118,12 +118,5 @@ static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, Pets
   if (bulk && request->write_matrix[0]) PetscCall(Write(request->write_matrix, bulk->op));
   PetscCall(MpmExpectFinding(&request->expect, all ? &all->finding : &bulk->finding, missed));
   if (bulk) PetscCall(MpmSpectrumDestroy(&bulk));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmTaskSpectrum(int argc, char **argv, PetscReal started, int *status)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmTaskOnScene("spectrum", Run, argc, argv, started, status));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -9,141 +9,126 @@
 #include "task/task.h"
 #include <math.h>
 
-/* Where growth is largest: the phase, and the length of its waves in cells. */
-static PetscErrorCode DescribeMaximum(const MpmSymbol *s, size_t room, char text[])
-{
-  const PetscInt dim  = s->dim;
-  PetscReal      size = 0;
-  char           beta[96], phases[64];
+/* What is said of a scene. refined, damping: NULL where they are not asked for. */
+typedef struct {
+  MpmSymbol     *symbol;
+  MpmRefined     place, *refined;
+  MpmDamping    *damping;
+  MpmPredictor   predictor;
+  MpmPredictions predictions;
+  MpmComparison  comparison;
+  MpmFinding     finding;
+} Answer;
 
-  PetscFunctionBegin;
-  PetscCall(MpmReportVector(dim, s->beta_at_max, 6, sizeof beta, beta));
-  PetscCall(MpmReportCounts(dim, s->phases, sizeof phases, phases));
-  for (PetscInt a = 0; a < dim; a++) size = hypot(size, PetscMin(s->beta_at_max[a], 2 * PETSC_PI - s->beta_at_max[a]));
-  if (size > 0)
-    PetscCall(PetscSNPrintf(text, room, "at beta = %s (waves of %.4g cells) of %s phases", beta, 2 * PETSC_PI / size,
-                            phases));
-  else
-    PetscCall(PetscSNPrintf(text, room, "at beta = 0 of %s phases", phases));
-  PetscFunctionReturn(PETSC_SUCCESS);
+/* Where growth is largest: the phase, and the length of its waves in cells. */
+static void PrintMaximum(const MpmSymbol *s)
+{
+  PetscReal size = 0;
+  char      text[256], waves[48] = "";
+
+  for (PetscInt a = 0; a < s->dim; a++)
+    size = hypot(size, PetscMin(s->beta_at_max[a], 2 * PETSC_PI - s->beta_at_max[a]));
+  if (size > 0) (void)snprintf(waves, sizeof waves, " (waves of %.4g cells)", 2 * PETSC_PI / size);
+  (void)snprintf(text, sizeof text, "at beta = %s%s of %s phases",
+                 size > 0 ? MpmVectorText(s->dim, s->beta_at_max, 6, MPM_VECTOR_ROOM) : "0", waves,
+                 MpmCountsText(s->dim, s->phases, MPM_VECTOR_ROOM));
+  MpmReportGrowth("symbol", s->growth, text);
 }
 
 /* The phases that refined growth has looked at, and where growth is largest. */
-static PetscErrorCode DescribeRefined(PetscInt dim, const MpmRefined *r, size_t room, char text[])
+static void PrintRefined(PetscInt dim, const MpmRefined *r)
 {
-  char beta[96], grid[64];
+  const PetscBool none = isnan(r->beta[0]) ? PETSC_TRUE : PETSC_FALSE;
+  char            text[256];
 
-  PetscFunctionBegin;
-  PetscCall(MpmReportVector(dim, r->beta, 6, sizeof beta, beta));
-  PetscCall(PetscSNPrintf(grid, sizeof grid, "up to %" PetscInt_FMT " phases in (0, pi] and uphill%s", r->points,
-                          r->settled ? "" : ", and still moves"));
-  if (isnan(r->beta[0]))
-    PetscCall(PetscSNPrintf(text, room, "at none of %s", grid));
-  else
-    PetscCall(PetscSNPrintf(text, room, "at beta = %s of %s", beta, grid));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(text, sizeof text, "at %s%s of up to %" PetscInt_FMT " phases in (0, pi] and uphill%s",
+                 none ? "none" : "beta = ", none ? "" : MpmVectorText(dim, r->beta, 6, MPM_VECTOR_ROOM), r->points,
+                 r->settled ? "" : ", and still moves");
+  MpmReportGrowth("refined", r->growth, text);
 }
 
-static PetscErrorCode PrintRefined(PetscInt dim, const MpmRefined *r)
+static PetscErrorCode Print(const MpmScene *scene, const MpmRequest *request, const Answer *a)
 {
-  char text[256];
-
   PetscFunctionBegin;
-  if (!r) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(DescribeRefined(dim, r, sizeof text, text));
-  PetscCall(MpmReportGrowth("refined", r->growth, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Print(const MpmScene *scene, const MpmRequest *request, const MpmSymbol *s, const MpmRefined *r,
-                            const MpmPredictor *p, const MpmPredictions *predictions, const MpmComparison *comparison,
-                            const MpmFinding *finding, const MpmDamping *damping, PetscMPIInt ranks)
-{
-  char text[256];
-
-  PetscFunctionBegin;
-  PetscCall(MpmReportScene(scene, request, ranks));
+  PetscCall(MpmReportScene(scene, request));
   MpmPrint("\ngrowth per step\n");
-  PetscCall(MpmReportPredictions(p, predictions));
-  PetscCall(DescribeMaximum(s, sizeof text, text));
-  PetscCall(MpmReportGrowth("symbol", s->growth, text));
+  MpmReportPredictions(&a->predictor, &a->predictions);
+  PrintMaximum(a->symbol);
   if (scene->written && !MpmSceneDrifts(scene)) PetscCall(MpmReportNodal(scene->scheme.table, "  nodal       "));
-  PetscCall(PrintRefined(scene->layout.dim, r));
+  if (a->refined) PrintRefined(scene->layout.dim, a->refined);
   MpmPrint("\n");
-  PetscCall(MpmReportComparison(p, comparison));
-  if (damping) PetscCall(MpmDampingPrint(scene, damping));
-  PetscCall(MpmReportFinding(finding, s->condition));
-  MpmPrint("time: %.3g s\n", s->seconds);
+  MpmReportComparison(&a->predictor, &a->comparison);
+  if (a->damping) MpmDampingPrint(scene, a->damping);
+  MpmReportFinding(&a->finding, a->symbol->condition);
+  MpmPrint("time: %.3g s\n", a->symbol->seconds);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static json_t *JsonRefined(PetscInt dim, const MpmRefined *r)
 {
-  json_t *object = json_object(), *beta = json_array();
+  json_t *object = json_object();
 
   MpmJsonSet(object, "growth", r->growth);
-  for (PetscInt a = 0; a < dim; a++) json_array_append_new(beta, json_real(r->beta[a]));
-  if (isnan(r->beta[0]))
-    json_decref(beta);
-  else
-    json_object_set_new(object, "beta_at_max", beta);
-  json_object_set_new(object, "phases", json_integer(r->points));
+  if (!isnan(r->beta[0])) json_object_set_new(object, "beta_at_max", MpmJsonNumbers(dim, r->beta));
+  MpmJsonSetCount(object, "phases", r->points);
   json_object_set_new(object, "settled", json_boolean(r->settled));
   return object;
 }
 
-static PetscErrorCode WriteJson(const char path[], const MpmScene *scene, const MpmSymbol *s, const MpmRefined *r,
-                                const MpmPredictions *predictions, const MpmComparison *comparison,
-                                const MpmFinding *finding, const MpmDamping *damping, PetscMPIInt ranks,
-                                PetscReal wall_s)
+static PetscErrorCode WriteJson(const MpmScene *scene, const char path[], const Answer *a, PetscReal wall_s)
 {
-  json_t *object, *symbol = MpmJsonSymbol(s);
+  json_t *object, *symbol = MpmJsonSymbol(a->symbol);
 
   PetscFunctionBegin;
-  PetscCall(MpmJsonScene(scene, "symbol", ranks, wall_s, &object));
-  MpmJsonSetFinding(object, finding);
-  json_object_set_new(object, "predicted", MpmJsonPredicted(predictions, comparison, s->growth));
-  if (damping) json_object_set_new(symbol, "damping", MpmDampingJson(scene, damping));
+  PetscCall(MpmJsonScene(scene, "symbol", wall_s, &object));
+  MpmJsonSetFinding(object, &a->finding);
+  json_object_set_new(object, "predicted", MpmJsonPredicted(&a->predictions, &a->comparison, a->symbol->growth));
+  if (a->damping) json_object_set_new(symbol, "damping", MpmDampingJson(scene, a->damping));
   json_object_set_new(object, "symbol", symbol);
-  if (r) json_object_set_new(object, "refined", JsonRefined(scene->layout.dim, r));
+  if (a->refined) json_object_set_new(object, "refined", JsonRefined(scene->layout.dim, a->refined));
   PetscCall(MpmJsonWrite(path, object));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmRequest *request, const MpmSymbol *s,
-                                 const MpmPredictor *p, const MpmDamping *damping)
+static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmRequest *request, const Answer *a)
 {
   MpmDataFile file;
 
   PetscFunctionBegin;
-  if (request->csv[0] && damping) PetscCall(MpmDampingWriteCsv(damping, request->csv));
-  if (request->csv[0] && !damping) PetscCall(MpmSymbolWriteCsv(s, p, request->csv));
+  if (request->csv[0] && a->damping) PetscCall(MpmDampingWriteCsv(a->damping, request->csv));
+  if (request->csv[0] && !a->damping) PetscCall(MpmSymbolWriteCsv(a->symbol, &a->predictor, request->csv));
   if (!request->output[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, scene, request, &file));
-  PetscCall(MpmSymbolWrite(s, p, &file));
-  if (damping) PetscCall(MpmDampingWrite(damping, &file));
+  PetscCall(MpmSymbolWrite(a->symbol, &a->predictor, &file));
+  if (a->damping) PetscCall(MpmDampingWrite(a->damping, &file));
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* What the symbol says of growth, at its phases or at those of the refined search. */
-static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, const MpmSymbol *s, MpmRefined *r,
-                           MpmFinding *finding)
+static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, Answer *a)
 {
-  char phases[64];
+  const MpmSymbol *s                       = a->symbol;
+  char             phases[MPM_VECTOR_TEXT] = "";
 
   PetscFunctionBegin;
-  *finding = (MpmFinding){.tolerance       = request->tolerance,
-                          .growth          = s->growth,
-                          .uncertainty     = s->uncertainty,
-                          .defective_error = s->defective_error};
-  PetscCall(MpmReportCounts(scene->layout.dim, s->phases, sizeof phases, phases));
-  PetscCall(PetscSNPrintf(finding->evidence, sizeof finding->evidence,
-                          "the symbol at %s phases, the whole spectrum of %s cells", phases, phases));
-  finding->verdict = MpmVerdictOf(finding);
-  if (!request->refine) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, PETSC_TRUE, r));
-  if (r->growth > s->growth) PetscCall(MpmRefinedFinding(r, request->tolerance, finding));
+  a->finding = (MpmFinding){.tolerance       = request->tolerance,
+                            .growth          = s->growth,
+                            .uncertainty     = s->uncertainty,
+                            .defective_error = s->defective_error};
+  (void)MpmCountsText(s->dim, s->phases, phases);
+  (void)snprintf(a->finding.evidence, sizeof a->finding.evidence,
+                 "the symbol at %s phases, the whole spectrum of %s cells", phases, phases);
+  a->finding.verdict = MpmVerdictOf(&a->finding);
+  if (request->refine) {
+    a->refined = &a->place;
+    PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, PETSC_TRUE, a->refined));
+    if (a->refined->growth > s->growth) PetscCall(MpmRefinedFinding(a->refined, request->tolerance, &a->finding));
+  }
+  for (PetscInt d = 0; d < s->dim; d++)
+    PetscCall(MpmFindingOfPhases(&a->finding, s->phases[d], scene->layout.grid[d].cells));
+  if (MpmPredictDisagrees(&a->comparison, s->growth))
+    PetscCall(MpmFindingDispute(&a->finding, "the corrected closed form says otherwise"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -162,53 +147,29 @@ static PetscErrorCode WriteBlocks(const MpmScene *scene, const char path[])
 
 static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  const PetscInt dim  = scene->layout.dim;
-  MpmSymbolWish  wish = {.keep = request->output[0] ? PETSC_TRUE : PETSC_FALSE, .tolerance = request->tolerance};
-  PetscMPIInt    ranks;
-  MpmSymbol     *symbol;
-  MpmDamping    *damping = NULL;
-  MpmPredictor   predictor;
-  MpmPredictions predictions;
-  MpmComparison  comparison;
-  MpmFinding     finding;
-  MpmRefined     refined, *r = request->refine ? &refined : NULL;
+  MpmSymbolWish wish = {.keep = request->output[0] ? PETSC_TRUE : PETSC_FALSE, .tolerance = request->tolerance};
+  Answer        a    = {.refined = NULL};
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim; a++) wish.phases[a] = request->phases[a];
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
-  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &wish, &symbol));
-  PetscCall(MpmPredict(scene, &predictions));
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
-  PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
-  PetscCall(Find(scene, request, symbol, &refined, &finding));
-  for (PetscInt a = 0; a < dim; a++)
-    PetscCall(MpmFindingOfPhases(&finding, symbol->phases[a], scene->layout.grid[a].cells));
-  if (MpmPredictDisagrees(&comparison, symbol->growth))
-    PetscCall(MpmFindingDispute(&finding, "the corrected closed form says otherwise"));
-  if (request->damping) PetscCall(MpmDampingCreate(scene, request, &damping));
-  PetscCall(WriteFiles(scene, request, symbol, &predictor, damping));
+  PetscCall(PetscArraycpy(wish.phases, request->phases, scene->layout.dim));
+  PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &wish, &a.symbol));
+  PetscCall(MpmPredict(scene, &a.predictions));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &a.predictor));
+  PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &a.predictor, a.symbol, &a.comparison));
+  PetscCall(Find(scene, request, &a));
+  if (request->damping) PetscCall(MpmDampingCreate(scene, request, &a.damping));
+  PetscCall(WriteFiles(scene, request, &a));
   if (request->write_blocks[0]) PetscCall(WriteBlocks(scene, request->write_blocks));
-  if (request->json[0])
-    PetscCall(WriteJson(request->json, scene, symbol, r, &predictions, &comparison, &finding, damping, ranks,
-                        MPI_Wtime() - started));
-  PetscCall(Print(scene, request, symbol, r, &predictor, &predictions, &comparison, &finding, damping, ranks));
-  PetscCall(MpmExpectFinding(&request->expect, &finding, missed));
-  PetscCall(MpmDampingDestroy(&damping));
-  PetscCall(MpmPredictorDestroy(&predictor));
-  PetscCall(MpmSymbolDestroy(&symbol));
+  if (request->json[0]) PetscCall(WriteJson(scene, request->json, &a, MPI_Wtime() - started));
+  PetscCall(Print(scene, request, &a));
+  PetscCall(MpmExpectFinding(&request->expect, &a.finding, missed));
+  PetscCall(MpmDampingDestroy(&a.damping));
+  PetscCall(MpmPredictorDestroy(&a.predictor));
+  PetscCall(MpmSymbolDestroy(&a.symbol));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Run(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
+PetscErrorCode MpmTaskSymbol(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  PetscFunctionBegin;
-  PetscCall(scene ? OfScene(scene, request, started, missed) : MpmSymbolOfBlocks(request, started, missed));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmTaskSymbol(int argc, char **argv, PetscReal started, int *status)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmTaskOnScene("symbol", Run, argc, argv, started, status));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return scene ? OfScene(scene, request, started, missed) : MpmSymbolOfBlocks(request, started, missed);
 }

@@ -26,7 +26,7 @@ const MpmTask MpmTasks[] = {
     {"ensemble", "the share of random layouts that are unstable, with its 95% confidence interval",
      "ensemble -formulation musl -jitter 0.5 -cells 16 -layouts 20", MpmTaskEnsemble},
     {"list", "formulations, bases, transfers, boundaries, layouts, options; 'list codes': public codes",
-     "list formulation musl", MpmTaskList},
+     "list formulation musl", NULL},
     {NULL, NULL, NULL, NULL},
 };
 
@@ -41,8 +41,7 @@ static PetscErrorCode CheckStart(const MpmScene *scene, const MpmRequest *reques
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, char **argv, PetscReal started,
-                              int *status)
+PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscReal started, int *status)
 {
   const char *path   = argc > 0 && argv[0][0] != '-' ? argv[0] : NULL;
   PetscInt    missed = 0;
@@ -50,13 +49,13 @@ PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, ch
   MpmRequest  request;
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsCheckCommandLine(task, argc, argv, path ? 1 : 0));
-  PetscCall(MpmSettingsCheckOutside(task, path));
+  PetscCall(MpmSettingsCheckCommandLine(task->name, argc, argv, path ? 1 : 0));
+  PetscCall(MpmSettingsCheckOutside(task->name, path));
   PetscCall(MpmMemoryCheckLapack());
-  PetscCall(MpmSceneCreate(task, path, &scene, &request));
+  PetscCall(MpmSceneCreate(task->name, path, &scene, &request));
   PetscCall(CheckStart(scene, &request));
   MpmProgressShow(request.progress);
-  PetscCall(work(scene, &request, started, &missed));
+  PetscCall(task->work(scene, &request, started, &missed));
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(MpmSettingsCheckUnused());
   *status = missed == MPM_WORK_FAILED ? MPM_EXIT_FAILED
@@ -66,22 +65,18 @@ PetscErrorCode MpmTaskOnScene(const char task[], MpmSceneWork work, int argc, ch
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPrintUsage(void)
+void MpmPrintUsage(void)
 {
-  PetscFunctionBegin;
   MpmPrint("mpmstab %s: is this material point scheme stable, for which time step, and how accurate?\n"
            "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...\n",
            MPMSTAB_VERSION);
   for (const MpmTask *task = MpmTasks; task->name; task++) MpmPrint("  %-9s%s\n", task->name, task->summary);
   MpmPrint("  mpmstab spectrum -drift 1/8 -cells 16 -courant 0.1    a first answer\n");
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPrintVersion(void)
+void MpmPrintVersion(void)
 {
-  PetscFunctionBegin;
   MpmPrint("mpmstab %s\n", MPMSTAB_VERSION);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* An option of a list of this task's own, or of those that all tasks read. */
@@ -92,15 +87,13 @@ static void PrintOptions(const char task[], PetscBool own)
       MpmPrint("  -%-17s %-11s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
 }
 
-PetscErrorCode MpmTaskNames(size_t room, char text[])
+void MpmTaskNames(size_t room, char text[])
 {
-  PetscFunctionBegin;
   text[0] = '\0';
   for (const MpmTask *task = MpmTasks; task->name; task++) {
-    if (task > MpmTasks) PetscCall(MpmTextJoin(text, task[1].name ? ", " : " or ", room));
-    PetscCall(MpmTextJoin(text, task->name, room));
+    if (task > MpmTasks) MpmTextJoin(text, task[1].name ? ", " : " or ", room);
+    MpmTextJoin(text, task->name, room);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmPrintHelp(const char name[])
@@ -114,7 +107,7 @@ PetscErrorCode MpmPrintHelp(const char name[])
   for (; MpmTasks[n].name; n++) names[n] = MpmTasks[n].name;
   near = MpmSuggest(name, n, names);
   while (task->name && strcasecmp(task->name, name)) task++;
-  PetscCall(MpmTaskNames(sizeof known, known));
+  MpmTaskNames(sizeof known, known);
   MpmCheckInput(task->name, "help %.200s: allowed: %s%s%s%s", name, known, near ? "; did you mean " : "",
                 near ? near : "", near ? "?" : "");
   MpmPrint("mpmstab %s: %s\n  for example: mpmstab %s\n", task->name, task->summary, task->example);
