@@ -1,5 +1,5 @@
 #!/bin/sh
-# bench.sh [march|spectrum|phases|startup|growth|scaling|boxes|steps] [option...]: how fast the program is, beside others; --help after a
+# bench.sh [march|spectrum|phases|startup|growth|scaling|boxes] [option...]: how fast the program is, beside others; --help after a
 # part says what can be chosen. Options without a part are the march's; nothing at all: the first five in brief.
 set -eu
 cd "$(dirname "$0")/.."
@@ -10,7 +10,7 @@ unset OMPI_MCA_mpi_yield_when_idle # there is a core for each rank
 unset OMP_NUM_THREADS              # solvers take the threads that they would anywhere
 
 case ${1:-} in
-march | spectrum | phases | startup | growth | scaling | boxes | steps)
+march | spectrum | phases | startup | growth | scaling | boxes)
   part=$1
   shift
   [ "$part" != spectrum ] || install_missing python3-scipy
@@ -19,7 +19,7 @@ march | spectrum | phases | startup | growth | scaling | boxes | steps)
 -*) exec ./scripts/bench/bench_march.py "$@" ;;
 '') ;;
 *)
-  echo "bench.sh: unknown part '$1'; allowed: march, spectrum, phases, startup, growth, scaling, boxes, steps" >&2
+  echo "bench.sh: unknown part '$1'; allowed: march, spectrum, phases, startup, growth, scaling, boxes" >&2
   exit 2
   ;;
 esac

@@ -21,10 +21,12 @@ BOX_WORK, SPEED_UP, BOX_BYTES = 1e7, 1.85, 200  # particles x steps; targets in 
 MOST_BOX_STEPS = 200  # of a small box, which is run for its energy and not for its time
 LINE_TARGETS, LINE_BYTES = {"gas2": 0.8, "usl": 0.8}, 80  # ratio to plain C, where it is not 1; bytes a particle
 FINITE_TARGET, FINITE_DRIFTS = 0.7, ("0", "0.01")
+STEP_TARGETS = {"verlet": 1.35, "rk4": 2.6, "rk4 nodes": 2.6}  # ratio to usl
+STEP_CELLS, STEP_WORK = {2: 256, 3: 32}, 40  # cells along each direction; steps
 BOX_COLUMNS = f"d {'cells':>5} {'':4} {'basis':9} {'drift':>5} {'jitter':>6} {'plain C':>7} {'1 rank':>7} {'2 ranks':>7}" \
               f"  {'ratio':>5} {'target':>6} {'':7} {'speed-up':>8} {'pair':>5}"
 COLUMNS = f"{'scheme':8} {'basis':9} {'particles':>9} {'drift':>5}  {'plain C':>13} {'1 rank':>13} {'2 ranks':>13}" \
-          f" {'numba':>6}  {'1/plain':>14} {'speed-up':>8} {'pair':>4} {'waits':>5}  {'bytes':>5} {'GB/s':>5} {'share':>5}"
+          f" {'numba':>6}  {'1/plain':>14} {'speed-up':>8} {'pair':>4} {'waits':>5}  {'bytes':>5} {'GB/s':>5} {'share':>5} {'c t / h':>7}"
 
 
 def arguments():
@@ -39,6 +41,7 @@ def arguments():
     parser.add_argument("--boxes", type=listed(("1e3", "1e6", "4e6")), default=("1e6",), help="particles in 2-D and 3-D")
     parser.add_argument("--finite", action="store_true", help="only marches at finite strain, in two and three dimensions")
     parser.add_argument("--only-boxes", action="store_true", help="leave out one dimension")
+    parser.add_argument("--only-steps", action="store_true", help="only the steps of momentum beside one another")
     parser.add_argument("--others", action="store_true", help="beside Taichi and Warp too, which it installs for the time")
     args = parser.parse_args()
     if args.all:
@@ -86,10 +89,12 @@ def show(row, triad):
     cells = " ".join(f"{best[name]:6.2f} ({median[name]:4.1f})" for name in ("plain", "1", "2"))
     rate = row["bytes"] / best["1"]
     share = f"{rate / triad:5.2f}" if row["particles"] >= 8_000_000 else f"{'-':>5}"
+    covered = bench_runs.covered(row["scheme"], row["basis"], row["drift"] != "0", best["1"], row["particles"])
+    covered = f"{'-':>7}" if covered is None else f"{covered:7.1f}"
     numba = f"{best['numba']:6.1f}" if "numba" in best else f"{'-':>6}"
     print(f"{row['scheme']:8} {row['basis']:9} {row['particles']:9} {row['drift']:>5}  {cells} {numba}  "
           f"{row['ratio']:6.2f} ({row['ratio_median']:4.2f}) {row['speed_up']:8.2f} {row['speed_up_pair']:4.2f} "
-          f"{row['waits']:5.2f}  {row['bytes']:5.0f} {rate:5.1f} {share}", flush=True)
+          f"{row['waits']:5.2f}  {row['bytes']:5.0f} {rate:5.1f} {share} {covered}", flush=True)
 
 
 def show_targets(rows):
@@ -182,6 +187,44 @@ def measure_boxes(args):
     return [measure_box(row, args.repeats) for row in box_rows(args)]
 
 
+def measure_steps(args):
+    """Measures steps of momentum in turn, and prints their times over that of usl, and what a second of run time covers."""
+    print(f"steps beside usl, flip, {bench_runs.PPC} particles a cell in each direction, nu 0.3\n"
+          f"ns per particle and step, best of {args.repeats}; ratio to usl. c t / h: what a second covers at the largest k without "
+          f"growth in one\ndimension, at rest or at Mach {bench_runs.MACH}\n\n"
+          f"d {'cells':>5} {'basis':9} {'drift':>5} {'jitter':>6} {'step':9} {'plain C':>7} {'1 rank':>7}  {'ratio':>5} {'target':>6} "
+          f"{'':7} {'c t / h':>7}")
+    rows = []
+    for dim, basis, drift, jitter in itertools.product(STEP_CELLS, bench_runs.BASES, ("0", "0.01"), ("0", "0.4")):
+        row = {"dim": dim, "cells": STEP_CELLS[dim], "basis": basis, "transfer": "flip", "drift": drift, "jitter": jitter,
+               "steps": STEP_WORK}
+        times = {step: {"plain": [], "1": []} for step in bench_runs.STEPS}
+        for _, step in itertools.product(range(args.repeats), bench_runs.STEPS):
+            ns, energy = bench_runs.run_step(row, step)
+            times[step]["1"].append(ns)
+            name = "flip" if step == "usl" else step
+            if name not in bench_runs.PLAIN_STEPS:
+                continue
+            ns, expected = bench_runs.run_plain_box(row, name)
+            times[step]["plain"].append(ns)
+            if abs(energy - expected) > SAME * expected:
+                sys.exit(f"bench: {step} does not do what plain C does: {row}: energy {energy} and {expected}")
+        rows += [show_step(row, step, times) for step in bench_runs.STEPS]
+    return rows
+
+
+def show_step(row, step, times):
+    best = {name: min(values) for name, values in times[step].items() if values}
+    ratio, target = best["1"] / min(times["usl"]["1"]), STEP_TARGETS.get(step)
+    particles = (bench_runs.PPC * row["cells"]) ** row["dim"]
+    covered = bench_runs.covered(step, row["basis"], row["drift"] != "0", best["1"], particles)
+    plain = f"{best['plain']:7.1f}" if "plain" in best else f"{'-':>7}"
+    verdict = f"{target:6.2f} {bench_runs.met(ratio <= target):7}" if target else f"{'-':>6} {'':7}"
+    print(f"{row['dim']} {row['cells']:5} {row['basis']:9} {row['drift']:>5} {row['jitter']:>6} {step:9} {plain} {best['1']:7.1f}  "
+          f"{ratio:5.2f} {verdict} {covered:7.1f}", flush=True)
+    return row | {"step": step, "best": best, "ratio": ratio, "covered": covered}
+
+
 def box_memory():
     """Measures the bytes that a particle takes in three dimensions: of 4e6 beyond those of a few."""
     row = {"dim": 3, "basis": "quadratic", "transfer": "flip", "drift": "0", "jitter": "0.4", "steps": 2}
@@ -214,6 +257,10 @@ def main():
         bench_runs.keep(result, args)
         return
     bench_runs.compile_all()
+    if args.only_steps:
+        result["steps"] = measure_steps(args)
+        bench_runs.keep(result, args)
+        return
     python, why = (None, "not asked") if args.no_numba else bench_runs.numba_python()
     if not python:
         print(f"no numba: {why}")
@@ -223,7 +270,8 @@ def main():
           "1/plain is the time on 1 rank over that of plain C: of the best, and in brackets the median of pairs.\n"
           "speed-up is that of 2 ranks. pair is that of two programs side by side, each with half the particles: they\n"
           "send no messages. waits is the part of its steps that a rank of two waits for the other, the median. A step moves\n"
-          "so many bytes per particle, on 1 rank at this rate; share is the rate over triad's.\n")
+          "so many bytes per particle, on 1 rank at this rate; share is the rate over triad's. c t / h is what a second of\n"
+          "run time on 1 rank covers at the largest k without growth, at rest or at Mach 1/10.\n")
     print(COLUMNS)
     lines = () if args.only_boxes else itertools.product(args.particles, args.schemes, args.bases, args.drifts)
     for particles, scheme, basis, drift in lines:
@@ -234,6 +282,8 @@ def main():
     show_targets(result["rows"])
     print()
     result["boxes"] = measure_boxes(args)
+    print()
+    result["steps"] = measure_steps(args)
     if args.others:
         result["others"] = bench_others.measure(args.repeats)
     if not args.no_memory:

@@ -3,6 +3,7 @@ import argparse
 import concurrent.futures
 import csv
 import datetime
+import functools
 import json
 import os
 import re
@@ -18,7 +19,10 @@ BUILD = os.path.dirname(os.path.abspath(program.PROGRAM))
 FOLDER = os.path.join(BUILD, "bench")
 SOURCES = os.path.join(program.ROOT, "scripts", "bench")
 FLAGS = ["-O3", "-march=native"]
-SCHEMES, BASES = ("gas1", "gas2", "elastic", "usl", "musl"), ("linear", "quadratic")
+SCHEMES, BASES = ("gas1", "gas2", "elastic", "usl", "musl", "verlet", "rk4", "kg5"), ("linear", "quadratic")
+STEPS = ("usl", "musl", "verlet", "rk4", "rk4 nodes", "kg5")  # of momentum, beside one another
+PLAIN_STEPS = {"flip": [], "verlet": ["-DVERLET"], "rk4": ["-DRK"], "kg5": ["-DRK", "-DFIVE"]}
+MACH = "1/10"  # of particles that move, where a limit of the Courant number is asked for
 PPC = 2
 NODES = {"linear": 2, "quadratic": 3, "cubic": 4}  # of a particle along a direction
 BOXES = {2: {"1e3": 16, "1e6": 500, "4e6": 1000}, 3: {"1e3": 6, "1e6": 50, "4e6": 80}}  # cells along each direction, by dimension and size
@@ -127,11 +131,13 @@ def compile_all():
     compile_one("triad", ["triad.c"])
     for scheme in SCHEMES:
         for basis in BASES:
-            defines = ["-DQUADRATIC"] if basis == "quadratic" else []
-            compile_one(f"{scheme}-{basis}", ["plain.c", f"plain_{scheme}.c"], defines)
+            defines = (["-DQUADRATIC"] if basis == "quadratic" else []) + (["-DFIVE"] if scheme == "kg5" else [])
+            source = "rk" if scheme in ("rk4", "kg5") else scheme
+            compile_one(f"{scheme}-{basis}", ["plain.c", f"plain_{source}.c"], defines)
     for dim in BOXES:
         for nodes in NODES.values():
-            compile_one(f"flip-{dim}d-{nodes}", ["plain_nd.c"], [f"-DDIM={dim}", f"-DNODES={nodes}"])
+            for name, defines in PLAIN_STEPS.items():
+                compile_one(f"{name}-{dim}d-{nodes}", ["plain_nd.c"], [f"-DDIM={dim}", f"-DNODES={nodes}", *defines])
             if nodes > 2:
                 compile_one(f"apic-{dim}d-{nodes}", ["plain_nd.c"], [f"-DDIM={dim}", f"-DNODES={nodes}", "-DAFFINE"])
 
@@ -156,10 +162,31 @@ def numba_python():
     return python, None
 
 
+def formulation(scheme):
+    """Returns the options of a scheme, such as 'rk4 nodes'."""
+    method, *on = scheme.split()
+    chosen = {"formulation": "rk", "rk": method} if method in ("rk4", "kg5") else {"formulation": method}
+    return chosen | ({"rk_on": on[0]} if on else {})
+
+
+@functools.lru_cache(maxsize=None)
+def limit(scheme, basis, moves):
+    """Returns the largest Courant number without growth in one dimension, at rest or at Mach 1/10; 0 where there is none."""
+    chosen = formulation(scheme) | {"basis": basis} | ({"mach": MACH} if moves else {})
+    return result_of_run("critical", chosen)["critical"].get("critical_courant", 0)
+
+
+def covered(scheme, basis, moves, ns, particles):
+    """Returns c t / h, the time that a second of run time covers at the limit. None: the scheme is none of momentum."""
+    if scheme not in STEPS:
+        return None
+    return limit(scheme, basis, moves) / (1e-9 * ns * particles)
+
+
 def options(row):
     """Returns the options of a run: one wave in 32 cells. At drifts 0.01 and 0.3 no particle meets a node."""
     cells = row["particles"] // PPC
-    return {"formulation": row["scheme"], "basis": row["basis"], "ppc": PPC, "offset": 0.51, "courant": 0.01,
+    return formulation(row["scheme"]) | {"basis": row["basis"], "ppc": PPC, "offset": 0.51, "courant": 0.01,
             "cells": cells, "mode": cells // 32, "steps": row["steps"], "drift": row["drift"]}
 
 
@@ -199,8 +226,14 @@ def run_box_pair(row):
         return max(found[0] for found in threads.map(run_box, (half, half), (1, 1))) / 2
 
 
-def run_plain_box(row):
-    name = f"{row['transfer']}-{row['dim']}d-{NODES[row['basis']]}"
+def run_step(row, step):
+    """Returns ns per particle and step of one of the steps of momentum, and the energy at the end."""
+    run = result_of_run("run", box_options(row) | formulation(step))["run"]
+    return run["ns_per_particle_step"], run["energy"]["final"]
+
+
+def run_plain_box(row, name=None):
+    name = f"{name or row['transfer']}-{row['dim']}d-{NODES[row['basis']]}"
     out = json.loads(said([os.path.join(FOLDER, name),
                            *[str(row[key]) for key in ("cells", "steps", "drift", "jitter")]]))
     return out["ns_per_particle_step"], out["energy"]

@@ -90,7 +90,7 @@ int main(int argc, char **argv)
   scene.u     = Array(scene.particles);
   scene.s     = Array(scene.particles);
   scene.mass  = Array(scene.cells + 3);
-  for (int n = 0; n < 3; n++) scene.node[n] = Array(scene.cells + 3);
+  for (int n = 0; n < 4; n++) scene.node[n] = Array(scene.cells + 3);
   Begin(&scene);
   const double start = Now();
   March(&scene);

@@ -16,7 +16,7 @@ typedef struct {
   long    particles, cells, steps;
   double  drift;
   double *x, *u, *s;      /* places, the first and the second field of the particles */
-  double *mass, *node[3]; /* of the nodes: one more before the first, two more after the last */
+  double *mass, *node[4]; /* of the nodes: one more before the first, two more after the last */
 } Scene;
 
 /* All steps of a scheme: what is timed. */

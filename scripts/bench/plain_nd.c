@@ -10,6 +10,9 @@
 
    With AFFINE it is apic with the weights of MLS-MPM in place of slopes, in that method's own form: stress and affine
    velocity are one matrix, and each sweep knows one vector a node. It needs NODES > 2, where D does not depend on the place.
+
+   With VERLET half of the strain comes before the force, in a sweep of its own. With RK it is rk4 with its stages on
+   particles, and with FIVE too kg5: each stage is one more sweep, from the nodes to v and s of the stage and on to others.
 */
 #include "plain_nd.h"
 #include <stdio.h>
@@ -81,6 +84,32 @@ static void InvertMasses(void)
   for (long n = 0; n < nodes; n++) mass[n] = mass[n] > 0 ? 1 / mass[n] : 0;
 }
 
+/* Adds to stresses what a gradient of velocity makes of them in a time of k. */
+static inline void Strain(double k, double gradient[DIM][DIM], double stress[])
+{
+  const double lambda = NU / (1 - NU), mu = (1 - 2 * NU) / (2 * (1 - NU));
+  double       trace = 0;
+
+  for (int a = 0; a < DIM; a++) trace += gradient[a][a];
+  for (int a = 0; a < DIM; a++)
+    for (int b = a; b < DIM; b++)
+      stress[component[a][b]] += k * (mu * (gradient[a][b] + gradient[b][a]) + (a == b ? lambda * trace : 0));
+}
+
+#if !defined AFFINE && !defined VERLET
+/* Adds velocity and force of a particle to a node. */
+static inline void GiveTo(Node *n, double w, const double g[], const double v[], const double s[])
+{
+  for (int a = 0; a < DIM; a++) {
+    double force = 0;
+
+    for (int b = 0; b < DIM; b++) force += g[b] * s[component[a][b]];
+    n->v[a] += w * v[a];
+    n->a[a] -= COURANT * force;
+  }
+}
+#endif
+
 /* With masses it sums the masses too: of particles that have moved. */
 static inline __attribute__((always_inline)) void SumToNodes(const int masses)
 {
@@ -104,20 +133,18 @@ static inline __attribute__((always_inline)) void SumToNodes(const int masses)
       Node        *n = node + k;
 
       Gradient(i, phi, slope, g);
-      for (int a = 0; a < DIM; a++) {
 #ifdef AFFINE
+      for (int a = 0; a < DIM; a++) {
         double momentum = w * q->v[a];
 
         for (int b = 0; b < DIM; b++) momentum += g[b] * affine[a][b];
         n->v[a] += momentum;
-#else
-        double force = 0;
-
-        for (int b = 0; b < DIM; b++) force += g[b] * q->s[component[a][b]];
-        n->v[a] += w * q->v[a];
-        n->a[a] -= COURANT * force;
-#endif
       }
+#elif defined VERLET
+      for (int a = 0; a < DIM; a++) n->v[a] += w * q->v[a];
+#else
+      GiveTo(n, w, g, q->v, q->s);
+#endif
       if (masses) mass[k] += w;
     }
   }
@@ -131,14 +158,16 @@ static void ToNodes(int masses)
     SumToNodes(0);
 }
 
-static void OnNodes(void)
+/* Divides by the masses; adds times the force to the velocity. */
+static void OnNodes(double times)
 {
+  (void)times; /* with AFFINE there is no force beside the velocity */
   for (long n = 0; n < nodes; n++) {
     for (int a = 0; a < DIM; a++) {
       node[n].v[a] *= mass[n];
 #ifndef AFFINE
       node[n].a[a] *= mass[n];
-      node[n].v[a] += node[n].a[a];
+      node[n].v[a] += times * node[n].a[a];
 #endif
     }
   }
@@ -153,13 +182,12 @@ static inline void Move(double x[])
   }
 }
 
-static void ToParticles(void)
+/* The particles take what the nodes have: increments, and the strain of the velocity in a time of k. They move. */
+static void ToParticles(double k)
 {
-  const double lambda = NU / (1 - NU), mu = (1 - 2 * NU) / (2 * (1 - NU));
-
   for (long p = 0; p < particles; p++) {
     Particle  *q = &particle[p];
-    double     phi[DIM][NODES], slope[DIM][NODES], g[DIM], value[DIM] = {0}, gradient[DIM][DIM] = {{0}}, trace = 0;
+    double     phi[DIM][NODES], slope[DIM][NODES], g[DIM], value[DIM] = {0}, gradient[DIM][DIM] = {{0}};
     const long first = Weights(q->x, phi, slope);
 
     FOR_NODES(i)
@@ -185,12 +213,126 @@ static void ToParticles(void)
       q->v[a] += value[a];
 #endif
     }
-    for (int a = 0; a < DIM; a++) trace += gradient[a][a];
-    for (int a = 0; a < DIM; a++)
-      for (int b = a; b < DIM; b++)
-        q->s[component[a][b]] += COURANT * (mu * (gradient[a][b] + gradient[b][a]) + (a == b ? lambda * trace : 0));
+    Strain(k, gradient, q->s);
     if (drift != 0) Move(q->x);
   }
+}
+
+#if defined VERLET || defined RK
+static Node                  *before; /* the nodes that a sweep between ToNodes and ToParticles reads */
+
+/* Nodes to sum to, beside those before. */
+static void Turn(void)
+{
+  Node *const kept = node;
+
+  node   = before;
+  before = kept;
+  memset(node, 0, (size_t)nodes * sizeof *node);
+}
+#endif
+
+#ifdef VERLET
+/* Half of the strain of the nodal velocity, and then the force. */
+static void Between(void)
+{
+  Turn();
+  for (long p = 0; p < particles; p++) {
+    Particle  *q = &particle[p];
+    double     phi[DIM][NODES], slope[DIM][NODES], g[DIM], gradient[DIM][DIM] = {{0}};
+    const long first = Weights(q->x, phi, slope);
+
+    FOR_NODES(i)
+    {
+      const Node *n = before + Of(first, i);
+
+      Gradient(i, phi, slope, g);
+      for (int a = 0; a < DIM; a++)
+        for (int b = 0; b < DIM; b++) gradient[a][b] += g[b] * n->v[a];
+    }
+    Strain(COURANT / 2, gradient, q->s);
+    FOR_NODES(i)
+    {
+      Node *n = node + Of(first, i);
+
+      Gradient(i, phi, slope, g);
+      for (int a = 0; a < DIM; a++)
+        for (int b = 0; b < DIM; b++) n->a[a] -= COURANT * g[b] * q->s[component[a][b]];
+    }
+  }
+  ENDS(1);
+  OnNodes(1);
+  ENDS(0);
+  for (long n = 0; n < nodes; n++)
+    for (int a = 0; a < DIM; a++) node[n].v[a] += before[n].v[a];
+}
+#endif
+
+#ifdef RK
+#ifdef FIVE
+static const double part[] = {1. / 4, 1. / 6, 3. / 8, 1. / 2};
+#else
+static const double part[] = {1. / 4, 1. / 3, 1. / 2};
+#endif
+
+static void Stage(double c)
+{
+  Turn();
+  for (long p = 0; p < particles; p++) {
+    const Particle *q = &particle[p];
+    double          phi[DIM][NODES], slope[DIM][NODES], g[DIM], v[DIM], s[STRESSES], gradient[DIM][DIM] = {{0}};
+    const long      first = Weights(q->x, phi, slope);
+
+    memcpy(v, q->v, sizeof v);
+    memcpy(s, q->s, sizeof s);
+    FOR_NODES(i)
+    {
+      const Node  *n = before + Of(first, i);
+      const double w = At(i, phi);
+
+      Gradient(i, phi, slope, g);
+      for (int a = 0; a < DIM; a++) {
+        v[a] += c * w * n->a[a];
+        for (int b = 0; b < DIM; b++) gradient[a][b] += g[b] * n->v[a];
+      }
+    }
+    Strain(c * COURANT, gradient, s);
+    FOR_NODES(i)
+    {
+      Gradient(i, phi, slope, g);
+      GiveTo(node + Of(first, i), At(i, phi), g, v, s);
+    }
+  }
+  ENDS(1);
+  OnNodes(0);
+  ENDS(0);
+}
+
+static void Between(void)
+{
+  for (size_t j = 0; j < sizeof part / sizeof *part; j++) Stage(part[j]);
+}
+#endif
+
+/* One step. */
+static void Step(void)
+{
+  ToNodes(drift != 0);
+  if (drift != 0) InvertMasses();
+  ENDS(1);
+#if defined VERLET || defined RK
+  OnNodes(0);
+  ENDS(0);
+  Between();
+#else
+  OnNodes(1);
+  ENDS(0);
+#endif
+#ifdef VERLET
+  ToParticles(COURANT / 2);
+#else
+  ToParticles(COURANT);
+#endif
 }
 
 /* The energy of a domain of volume 1: half the mean of v.v + s : C^-1 : s. */
@@ -239,6 +381,10 @@ int main(int argc, char **argv)
   particle = calloc((size_t)particles, sizeof *particle);
   node     = calloc((size_t)nodes, sizeof *node);
   mass     = calloc((size_t)nodes, sizeof *mass);
+#if defined VERLET || defined RK
+  before = calloc((size_t)nodes, sizeof *before);
+  if (!before) return 1;
+#endif
   if (!particle || !node || !mass) {
     fprintf(stderr, "no memory for %ld particles\n", particles);
     return 1;
@@ -247,14 +393,7 @@ int main(int argc, char **argv)
   ToNodes(1);
   InvertMasses();
   const double start = Now();
-  for (long step = 0; step < steps; step++) {
-    ToNodes(drift != 0);
-    if (drift != 0) InvertMasses();
-    ENDS(1);
-    OnNodes();
-    ENDS(0);
-    ToParticles();
-  }
+  for (long step = 0; step < steps; step++) Step();
   const double seconds = Now() - start;
   printf("{\"ns_per_particle_step\": %.6g, \"energy\": %.17g}\n", 1e9 * seconds / (double)particles / (double)steps,
          Energy());

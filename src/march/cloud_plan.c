@@ -8,6 +8,18 @@ typedef struct {
   unsigned  kinds;
 } Field;
 
+/* A term of a scratch field: a times a state field, or times the number in lane of the vector from of a cloud's memory. */
+typedef struct {
+  PetscInt  field, particle, from, lane;
+  PetscReal a;
+} Term;
+
+/* What scratch fields are made of, where a pass takes them from nodes and gives them to nodes. */
+typedef struct {
+  PetscInt n, nstate;
+  Term     term[2 * MPM_MAX_PASS_OPS];
+} Scratch;
+
 /* The bundle of a node field that is summed or read, and its lane there. */
 static PetscInt Find(const MpmCloudPlan *plan, PetscInt node, PetscBool sums, PetscInt *lane)
 {
@@ -118,34 +130,90 @@ static void FillBundles(const Field field[], PetscInt nfields, PetscBool sums, M
   }
 }
 
+/* Adds to what a lane of a spread gets of what the particles have taken. */
+static void GiveTaken(MpmCloudPlan *plan, MpmCloudPart *part, const MpmCloudMap *map, const Term *t)
+{
+  const MpmCloudTerm key = {
+      .product = map->product, .side = map->lane / MPM_SIDE, .from = t->from, .swap = (map->lane ^ t->lane) % MPM_SIDE};
+  PetscInt i = part->first_term, at;
+
+  for (; i < part->end_term; i++) {
+    const MpmCloudTerm *one = &plan->term[i];
+
+    if (one->product == key.product && one->side == key.side && one->from == key.from && one->swap == key.swap) break;
+  }
+  if (i == part->end_term) {
+    for (at = i; at > part->first_term; at--) {
+      const MpmCloudTerm *before = &plan->term[at - 1];
+
+      if (before->product < key.product || (before->product == key.product && before->side <= key.side)) break;
+      plan->term[at] = *before;
+    }
+    plan->term[i = at] = key;
+    part->end_term     = ++plan->nterms;
+  }
+  plan->term[i].a[map->lane % MPM_SIDE] += map->a * t->a;
+}
+
+/* Adds a map of a composed plan: from nodes as a term of a scratch field, and to nodes each term of the field. */
+static void Compose(MpmCloudPlan *plan, MpmCloudPart *part, const MpmCloudMap *map, Scratch *scratch)
+{
+  const MpmCloudBundle *bundle = &plan->bundle[part->bundle];
+
+  if (!bundle->sums)
+    scratch->term[scratch->n++] =
+        (Term){.field = map->particle,
+               .from  = part->products + bundle->width * MPM_CLOUD * map->product + MPM_SIDE * (map->lane / MPM_SIDE),
+               .lane  = map->lane % MPM_SIDE,
+               .a     = map->a};
+  for (const Term *t = scratch->term; t < scratch->term + scratch->n && bundle->sums; t++) {
+    MpmCloudMap of = *map;
+
+    if (t->field != map->particle) continue;
+    of.particle = t->particle;
+    of.a *= t->a;
+    if (t->from != MPM_NONE)
+      GiveTaken(plan, part, map, t);
+    else
+      Insert(plan, part, of);
+  }
+}
+
 /* Adds a map along at most one axis to a part, if its kind is of the part's share. */
 static void AddMap(MpmCloudPlan *plan, MpmCloudPart *part, const PetscInt number[], PetscInt share, PetscInt dim,
-                   PetscInt lane, const MpmRowMap *m)
+                   PetscInt lane, const MpmRowMap *m, Scratch *scratch)
 {
   const PetscInt axis = number[2] ? 2 : number[1] ? 1 : 0;
+  MpmCloudMap    map  = {.lane = lane, .particle = m->particle, .a = m->a, .weight = m->weight};
   PetscInt       kind;
 
   if (PetscMax(number[axis] - 1, 0) / MPM_BUNDLE_KINDS != share) return;
-  kind = KindOf(part, number[axis]);
-  Insert(plan, part,
-         (MpmCloudMap){.product  = kind ? MPM_PRODUCTS(dim, kind - 1) + axis : 0,
-                       .lane     = lane,
-                       .particle = m->particle,
-                       .a        = m->a,
-                       .weight   = m->weight});
+  kind        = KindOf(part, number[axis]);
+  map.product = kind ? MPM_PRODUCTS(dim, kind - 1) + axis : 0;
+  if (plan->composed && m->particle >= scratch->nstate)
+    Compose(plan, part, &map, scratch);
+  else
+    Insert(plan, part, map);
 }
 
 /*
    Makes a part of a step, of one bundle and the share of the kinds that one map can have. Every kind has products of its
    own, in all directions.
 */
-static void AddPart(const MpmRowPlan *rows, const MpmRowStep *step, PetscInt bundle, PetscInt share, PetscInt dim,
-                    MpmCloudPlan *plan)
+static void AddPart(const MpmRowPlan *rows, const MpmRowStep *step, PetscInt bundle, PetscInt share,
+                    const MpmBasis *basis, PetscInt dim, Scratch *scratch, MpmCloudPlan *plan)
 {
   const PetscBool spreads = step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE;
-  MpmCloudPart   *part    = &plan->part[plan->nparts];
+  const PetscInt  terms = scratch->n, width = plan->bundle[bundle].width;
+  MpmCloudPart   *part = &plan->part[plan->nparts];
 
-  *part = (MpmCloudPart){.bundle = bundle, .begin = plan->nmaps, .end = plan->nmaps, .first_cross = plan->ncrosses};
+  *part = (MpmCloudPart){.bundle      = bundle,
+                         .begin       = plan->nmaps,
+                         .end         = plan->nmaps,
+                         .first_cross = plan->ncrosses,
+                         .first_term  = plan->nterms,
+                         .end_term    = plan->nterms,
+                         .products    = plan->products};
   for (const MpmRowLine *l = rows->line + step->begin; l < rows->line + step->end; l++) {
     PetscInt lane = 0;
 
@@ -154,25 +222,91 @@ static void AddPart(const MpmRowPlan *rows, const MpmRowStep *step, PetscInt bun
       MpmCloudCross cross = {.lane = lane, .particle = m->particle, .a = m->a, .weight = m->weight};
 
       if (KindsOf(rows, l, m, cross.kind) < 2)
-        AddMap(plan, part, cross.kind, share, dim, lane, m);
+        AddMap(plan, part, cross.kind, share, dim, lane, m, scratch);
       else if (share == 0)
         plan->cross[plan->ncrosses++] = cross;
     }
   }
   part->end_cross = plan->ncrosses;
-  if (part->end > part->begin || part->end_cross > part->first_cross) plan->nparts++;
+  if (part->end > part->begin || part->end_term > part->first_term || scratch->n > terms) {
+    part->run = MpmBundleMapFind(plan->bundle[bundle].sums, dim, basis->nodes, part->nkinds, width);
+    plan->products += width * MPM_CLOUD * MPM_PRODUCTS(dim, part->nkinds);
+  }
+  if (part->run || part->end_cross > part->first_cross) plan->nparts++;
 }
 
-void MpmCloudPlanCompile(const MpmRowPlan *rows, const MpmBasis *basis, PetscInt dim, MpmCloudPlan *plan)
+/*
+   Whether a pass changes scratch fields alone, by maps that compose with those to nodes: along one axis, and without
+   weights of particles. Then each sum over nodes is of state fields and of what is taken from nodes.
+*/
+static PetscBool Composes(const MpmRowPlan *rows, PetscInt nstate)
+{
+  PetscInt terms[MPM_MAX_FIELDS] = {0}, all = 0, maps = 0, kind[MPM_MAX_DIM];
+
+  for (const MpmRowStep *step = rows->step; step < rows->step + rows->nsteps; step++) {
+    const PetscBool spreads = step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE;
+
+    if (step->kind == MPM_ROW_FINITE) return PETSC_FALSE;
+    if (step->kind == MPM_ROW_SCALE || step->kind == MPM_ROW_ADD) {
+      const PetscInt more = step->kind == MPM_ROW_SCALE ? 0 : step->other < nstate ? 1 : terms[step->other];
+
+      if (step->particle < nstate) return PETSC_FALSE;
+      terms[step->particle] += more;
+      all += more;
+    }
+    if (!spreads && step->kind != MPM_ROW_GATHER) continue;
+    for (const MpmRowLine *l = rows->line + step->begin; l < rows->line + step->end; l++)
+      for (const MpmRowMap *m = rows->map + l->begin; m < rows->map + l->end; m++) {
+        const PetscBool scratch = m->particle >= nstate ? PETSC_TRUE : PETSC_FALSE;
+
+        if (scratch ? m->weight || KindsOf(rows, l, m, kind) > 1 : !spreads) return PETSC_FALSE;
+        if (spreads)
+          maps += scratch ? terms[m->particle] : 1;
+        else
+          all++, terms[m->particle]++;
+      }
+  }
+  return all > 0 && all <= 2 * MPM_MAX_PASS_OPS && maps <= 2 * MPM_MAX_PASS_OPS ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Scales a scratch field of a composed plan, or adds a multiple of a field to it. */
+static void ComposeStep(const MpmRowStep *step, Scratch *scratch)
+{
+  const PetscInt n = scratch->n;
+
+  for (PetscInt t = 0; t < n; t++) {
+    Term term = scratch->term[t];
+
+    if (step->kind == MPM_ROW_SCALE && term.field == step->particle) {
+      scratch->term[t].a *= step->a;
+      if (step->a == 0) scratch->term[t].field = MPM_NONE;
+    }
+    if (step->kind != MPM_ROW_ADD || term.field != step->other) continue;
+    term.field = step->particle;
+    term.a *= step->a;
+    scratch->term[scratch->n++] = term;
+  }
+  if (step->kind == MPM_ROW_ADD && step->other < scratch->nstate)
+    scratch->term[scratch->n++] =
+        (Term){.field = step->particle, .particle = step->other, .from = MPM_NONE, .a = step->a};
+}
+
+void MpmCloudPlanCompile(const MpmRowPlan *rows, const MpmBasis *basis, PetscInt dim, PetscInt nstate,
+                         MpmCloudPlan *plan)
 {
   Field          field[2 * (MPM_MAX_FIELDS + 1)];
   const PetscInt nfields = FieldsOf(rows, field);
+  PetscInt       most    = 0; /* fields in a bundle */
+  Scratch        scratch;
 
-  *plan = (MpmCloudPlan){.nparts = 0};
+  scratch.n      = 0;
+  scratch.nstate = nstate;
+  *plan          = (MpmCloudPlan){.composed = Composes(rows, nstate)};
   FillBundles(field, nfields, PETSC_FALSE, plan);
   FillBundles(field, nfields, PETSC_TRUE, plan);
+  for (PetscInt b = 0; b < plan->nbundles; b++) most = PetscMax(most, plan->bundle[b].n);
   for (PetscInt b = 0; b < plan->nbundles; b++) {
-    plan->bundle[b].width = MpmBundleWidth(plan->bundle[b].n);
+    plan->bundle[b].width = MpmBundleWidth(plan->composed ? most : plan->bundle[b].n);
     plan->bundle[b].begin = plan->width;
     plan->width += plan->bundle[b].width;
   }
@@ -180,16 +314,10 @@ void MpmCloudPlanCompile(const MpmRowPlan *rows, const MpmBasis *basis, PetscInt
     const MpmRowStep *step = &rows->step[s];
 
     plan->first[s] = plan->nparts;
+    if (plan->composed) ComposeStep(step, &scratch);
     for (PetscInt b = 0; b < plan->nbundles && step->begin < step->end; b++)
       for (PetscInt share = 0; share <= rows->nkinds / MPM_BUNDLE_KINDS; share++)
-        AddPart(rows, step, b, share, dim, plan);
-    for (MpmCloudPart *part = plan->part + plan->first[s]; part < plan->part + plan->nparts; part++) {
-      const PetscInt width = plan->bundle[part->bundle].width;
-
-      part->run   = MpmBundleMapFind(plan->bundle[part->bundle].sums, dim, basis->nodes, part->nkinds, width);
-      part->given = plan->given;
-      if (step->kind == MPM_ROW_SPREAD) plan->given += width * MPM_CLOUD * MPM_PRODUCTS(dim, part->nkinds);
-    }
+        AddPart(rows, step, b, share, basis, dim, &scratch, plan);
   }
   plan->first[rows->nsteps] = plan->nparts;
 }

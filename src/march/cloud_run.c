@@ -6,8 +6,9 @@
 #define LINE 64        /* bytes in a line of the cache: the values of a node are in one line */
 #define SECOND_LEVEL 2 /* of the cache: the first one has no room for another cloud */
 
-#define SIDE 4 /* particles, or lanes, that are moved at once */
+#define SIDE MPM_SIDE /* particles, or lanes, that are moved at once */
 typedef PetscReal Side __attribute__((vector_size(SIDE * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
+typedef int       Halves __attribute__((vector_size(SIDE * sizeof(PetscReal)), aligned(sizeof(PetscReal)), may_alias));
 
 /* The places of a cloud, before DRIFT or after it, and its weights, by direction and number of the kind in the plan. */
 typedef struct {
@@ -16,14 +17,14 @@ typedef struct {
 } Placed;
 
 /*
-   Memory for a cloud while it is in a pass. taken, given: the numbers of a cloud's particles for each product of weights, in
-   a gather and in all spreads. given is 0 for what has no map. lane: the numbers of some lanes, one after another.
+   Memory for a cloud while it is in a pass. products: the numbers of a cloud's particles for each product of weights of
+   each part; 0 for what has no map. lane: the numbers of some lanes, one after another.
 */
 typedef struct {
   Placed placed[2];
-  _Alignas(LINE) PetscReal taken[MPM_MOST_PRODUCTS * MPM_CLOUD * MPM_BUNDLE], lane[SIDE][MPM_CLOUD], ones[MPM_CLOUD];
+  _Alignas(LINE) PetscReal lane[SIDE][MPM_CLOUD], ones[MPM_CLOUD];
   const MpmCloudPlan *plan;
-  PetscReal          *given;
+  PetscReal          *products;
   PetscReal          *node[2 * (MPM_MAX_FIELDS + 1)]; /* node 0 of each bundle */
 } Work;
 
@@ -82,26 +83,59 @@ static void TakeLane(const PetscReal from[], PetscInt width, PetscInt n, PetscRe
   if (width == 8) TakeLaneOf(from, 8, n, to);
 }
 
-/* Where the numbers of a lane come from, and the factor that they are multiplied by. */
+#define SOURCES 4 /* of either kind, that are added up in registers */
+
+/* What lanes get: a times the numbers q of a field, or times vectors of lanes that are put in an order, in halves. */
 typedef struct {
   const PetscReal *q;
-  PetscReal        a;
+  Side             a;
+  Halves           order;
 } Source;
 
-/* Sets SIDE lanes that are beside one another, as groups too. */
-static inline void GiveLanesOf(const Source from[SIDE], const PetscInt width, PetscInt n, PetscReal *restrict to)
-{
-  const PetscReal *restrict x = from[0].q, *restrict y = from[1].q, *restrict z = from[2].q, *restrict w = from[3].q;
-  const Side a = {from[0].a, from[1].a, from[2].a, from[3].a};
+typedef struct {
+  int    nfields, ntaken;
+  Source field[SOURCES], taken[SOURCES];
+} Sources;
 
-  for (PetscInt p = 0; p < n; p++, to += width) *(Side *)to = a * (Side){x[p], y[p], z[p], w[p]};
+/* Sets SIDE lanes that are beside one another as a group, in which they are read next. Vectors have width lanes. */
+static inline __attribute__((always_inline)) void GiveOf(const int nfields, const int ntaken, const Sources *s,
+                                                         PetscInt width, PetscInt n, PetscReal *to)
+{
+  const PetscReal *q[2 * SOURCES];
+  Side             a[2 * SOURCES];
+  Halves           order[SOURCES];
+
+  for (int i = 0; i < nfields; i++) {
+    q[i] = s->field[i].q;
+    a[i] = s->field[i].a;
+  }
+  for (int i = 0; i < ntaken; i++) {
+    q[SOURCES + i] = s->taken[i].q;
+    a[SOURCES + i] = s->taken[i].a;
+    order[i]       = s->taken[i].order;
+  }
+  for (PetscInt p = 0; p < n; p++) {
+    Side sum = {0};
+
+    for (int i = 0; i < nfields; i++) sum += a[i] * q[i][p];
+    for (int i = 0; i < ntaken; i++)
+      sum += a[SOURCES + i] * (Side)__builtin_shuffle(*(const Halves *)(q[SOURCES + i] + width * p), order[i]);
+    *(Side *)(to + width * p) = sum;
+  }
 }
 
-static void GiveLanes(const Source from[SIDE], PetscInt width, PetscInt n, PetscReal to[])
-{
-  if (width == 4) GiveLanesOf(from, 4, n, to);
-  if (width == 8) GiveLanesOf(from, 8, n, to);
-}
+/* One loop for each number of fields and of vectors. */
+#define DEFINE(nfields, ntaken)                                                                                        \
+  static void Give##nfields##ntaken(const Sources *s, PetscInt width, PetscInt n, PetscReal *to)                       \
+  {                                                                                                                    \
+    GiveOf(nfields, ntaken, s, width, n, to);                                                                          \
+  }
+#define FOR_EACH(OF) OF(0) OF(1) OF(2) OF(3) OF(4)
+#define DEFINE_ALL(n) DEFINE(n, 0) DEFINE(n, 1) DEFINE(n, 2) DEFINE(n, 3) DEFINE(n, 4)
+#define NAME_ALL(n) {Give##n##0, Give##n##1, Give##n##2, Give##n##3, Give##n##4},
+FOR_EACH(DEFINE_ALL)
+static void (*const give[1 + SOURCES][1 + SOURCES])(const Sources *, PetscInt, PetscInt,
+                                                    PetscReal *) = {FOR_EACH(NAME_ALL)};
 
 /* What the nodes of particle p give to it, or with spreads get from it: q times the weights of a map along two axes. */
 static PetscReal Cross(const MpmRowArrays *a, const MpmCloudCross *c, const Placed *placed, PetscInt p, PetscInt width,
@@ -161,11 +195,12 @@ static void RunGather(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt 
 {
   const MpmCloudPlan *plan  = w->plan;
   const PetscInt      width = plan->bundle[part->bundle].width, n = placed->cloud.n;
+  PetscReal          *taken = w->products + part->products;
 
-  part->run(&placed->cloud, w->node[part->bundle], w->taken);
+  part->run(&placed->cloud, w->node[part->bundle], taken);
   for (const MpmCloudMap *m = plan->map + part->begin; m < plan->map + part->end; m++) {
     if (m == plan->map + part->begin || m->product != m[-1].product || m->lane != m[-1].lane)
-      TakeLane(w->taken + width * MPM_CLOUD * m->product + m->lane, width, n, w->lane[0]);
+      TakeLane(taken + width * MPM_CLOUD * m->product + m->lane, width, n, w->lane[0]);
     AddWeighed(n, m->a, m->weight ? a->weight[m->weight] + begin : NULL, w->lane[0],
                MpmRowsField(a, m->particle, begin));
   }
@@ -176,38 +211,63 @@ static const PetscReal *FieldOf(const MpmRowArrays *a, const MpmCloudMap *m, Pet
   return m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, begin);
 }
 
-/* Finds the source of the lane of map m: one particle field or a sum. Returns the first map of another lane. */
-static const MpmCloudMap *FindSource(const MpmRowArrays *a, const MpmCloudMap *m, const MpmCloudMap *end,
-                                     PetscInt begin, PetscInt n, Work *w, Source from[SIDE])
+/*
+   Adds a source of the lane of map m: the field that it gives, or if particles have weights the sum of all that the lane
+   gets. Returns the first map that has not been done.
+*/
+static const MpmCloudMap *AddField(const MpmRowArrays *a, const MpmCloudMap *m, const MpmCloudMap *end, PetscInt begin,
+                                   PetscInt n, Work *w, Source *from)
 {
-  const MpmCloudMap *next = m + 1;
-  const PetscInt     l    = m->lane % SIDE;
-  PetscReal         *lane = w->lane[l];
+  const MpmCloudMap *first = m;
+  const PetscInt     l     = m->lane % SIDE;
+  PetscReal         *lane  = w->lane[l];
 
-  while (next < end && next->product == m->product && next->lane == m->lane) next++;
-  from[l] = (Source){.q = FieldOf(a, m, begin, w), .a = m->a};
-  if (next == m + 1 && !m->weight) return next;
-  from[l] = (Source){.q = lane, .a = 1};
+  from->a    = (Side){0};
+  from->a[l] = m->weight ? 1 : m->a;
+  from->q    = m->weight ? lane : FieldOf(a, m, begin, w);
+  if (!m->weight) return m + 1;
   for (PetscInt p = 0; p < n; p++) lane[p] = 0;
-  for (; m < next; m++)
+  for (; m < end && m->product == first->product && m->lane == first->lane; m++)
     AddWeighed(n, m->a, m->weight ? a->weight[m->weight] + begin : NULL, FieldOf(a, m, begin, w), lane);
-  return next;
+  return m;
+}
+
+static void AddTaken(const MpmCloudTerm *t, const Work *w, Source *from)
+{
+  from->q = w->products + t->from;
+  for (int l = 0; l < SIDE; l++) {
+    from->a[l]             = t->a[l];
+    from->order[2 * l]     = 2 * (l ^ t->swap);
+    from->order[2 * l + 1] = 2 * (l ^ t->swap) + 1;
+  }
 }
 
 static void RunSpread(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt begin, const Placed *placed, Work *w)
 {
-  const MpmCloudPlan *plan  = w->plan;
-  const MpmCloudMap  *end   = plan->map + part->end;
+  const MpmCloudPlan *plan = w->plan;
+  const MpmCloudMap  *m = plan->map + part->begin, *end = plan->map + part->end;
+  const MpmCloudTerm *t = plan->term + part->first_term, *last = plan->term + part->end_term;
   const PetscInt      width = plan->bundle[part->bundle].width, n = placed->cloud.n;
-  PetscReal          *given = w->given + part->given;
+  PetscReal          *given = w->products + part->products, *before = NULL;
 
-  for (const MpmCloudMap *m = plan->map + part->begin; m < end;) {
-    const PetscInt product = m->product, side = m->lane / SIDE;
-    Source         from[SIDE];
+  while (m < end || t < last) {
+    const PetscBool fields =
+        t == last || (m < end && (m->product < t->product || (m->product == t->product && m->lane / SIDE <= t->side)))
+            ? PETSC_TRUE
+            : PETSC_FALSE;
+    const PetscInt   product = fields ? m->product : t->product, side = fields ? m->lane / SIDE : t->side;
+    PetscReal *const to = given + width * MPM_CLOUD * product + SIDE * side;
+    Sources          from;
 
-    for (PetscInt l = 0; l < SIDE; l++) from[l] = (Source){.q = w->ones, .a = 0};
-    while (m < end && m->product == product && m->lane / SIDE == side) m = FindSource(a, m, end, begin, n, w, from);
-    GiveLanes(from, width, n, given + width * MPM_CLOUD * product + SIDE * side);
+    from.nfields = from.ntaken = 0;
+    if (to == before) /* there are more than one loop adds up */
+      AddTaken(&(MpmCloudTerm){.from = (PetscInt)(to - w->products), .a = {1, 1, 1, 1}}, w, &from.taken[from.ntaken++]);
+    before = to;
+    while (from.nfields < SOURCES && m < end && m->product == product && m->lane / SIDE == side)
+      m = AddField(a, m, end, begin, n, w, &from.field[from.nfields++]);
+    while (from.ntaken < SOURCES && t < last && t->product == product && t->side == side)
+      AddTaken(t++, w, &from.taken[from.ntaken++]);
+    give[from.nfields][from.ntaken](&from, width, n, to);
   }
   part->run(&placed->cloud, w->node[part->bundle], given);
 }
@@ -254,12 +314,13 @@ static void RunCloud(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
     for (const MpmCloudPart *part = w->plan->part + w->plan->first[s]; part < w->plan->part + w->plan->first[s + 1];
          part++) {
       TakeWeights(part, a->march->grid->dim, placed);
-      if (part->begin < part->end && step->kind == MPM_ROW_GATHER)
+      if (part->run && step->kind == MPM_ROW_GATHER)
         RunGather(a, part, begin, placed, w);
-      else if (part->begin < part->end)
+      else if (part->run)
         RunSpread(a, part, begin, placed, w);
       RunCrosses(a, part, begin, step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE, placed, w);
     }
+    if (w->plan->composed && (step->kind == MPM_ROW_SCALE || step->kind == MPM_ROW_ADD)) continue;
     if (step->kind == MPM_ROW_SCALE)
       MpmScale(n, step->a, MpmRowsField(a, step->particle, begin));
     else if (step->kind == MPM_ROW_ADD)
@@ -307,7 +368,7 @@ static void Copy(const MpmRowArrays *a, const MpmCloudBundle *bundle, PetscInt n
 
 PetscInt MpmCloudsSize(const MpmGrid *grid, const MpmCloudPlan *plan)
 {
-  return plan->width * Nodes(grid) + plan->given + LINE / sizeof(PetscReal);
+  return plan->width * Nodes(grid) + plan->products + LINE / sizeof(PetscReal);
 }
 
 PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, PetscReal bundles[])
@@ -315,7 +376,7 @@ PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, Pet
   const MpmGrid *grid  = a->march->grid;
   const PetscInt count = a->march->particles->count, nodes = Nodes(grid);
   PetscReal     *first = bundles + (LINE - (uintptr_t)bundles % LINE) / sizeof(PetscReal);
-  Work           work  = {.plan = plan, .given = first + plan->width * nodes};
+  Work           work  = {.plan = plan, .products = first + plan->width * nodes};
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < 2; i++) {
@@ -324,7 +385,7 @@ PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, Pet
     for (PetscInt d = 0; d < grid->dim; d++) work.placed[i].cloud.stride[d] = grid->axis[d].stride;
   }
   for (PetscInt p = 0; p < MPM_CLOUD; p++) work.ones[p] = 1;
-  PetscCall(PetscArrayzero(work.given, plan->given));
+  PetscCall(PetscArrayzero(work.products, plan->products));
   for (PetscInt b = 0; b < plan->nbundles; b++) {
     const MpmCloudBundle *bundle = &plan->bundle[b];
     PetscReal            *values = first + bundle->begin * nodes;

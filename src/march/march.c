@@ -112,7 +112,8 @@ static PetscErrorCode CompileClouds(MpmMarch *march)
   if (march->layout->jitter == 0 && !march->particles->own) PetscFunctionReturn(PETSC_SUCCESS);
   if (!march->clouds) PetscCall(PetscMalloc1(march->schedule.npasses + 1, &march->clouds));
   for (PetscInt p = 0; p <= march->schedule.npasses; p++) {
-    MpmCloudPlanCompile(&march->plans[p], march->scheme->basis, march->layout->dim, &march->clouds[p]);
+    MpmCloudPlanCompile(&march->plans[p], march->scheme->basis, march->layout->dim, march->scheme->table->nstate,
+                        &march->clouds[p]);
     size = PetscMax(size, MpmCloudsSize(march->grid, &march->clouds[p]));
   }
   if (march->bundles) PetscFunctionReturn(PETSC_SUCCESS);

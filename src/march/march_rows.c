@@ -133,7 +133,7 @@ static PetscErrorCode RunParticles(MpmMarch *march, const MpmPass *pass, const M
     PetscCall(MpmCloudsRun(arrays, &march->clouds[number], march->bundles));
   else if (march->clouds) {
     PetscCall(PetscNew(&clouds));
-    MpmCloudPlanCompile(arrays->plan, march->scheme->basis, march->grid->dim, clouds);
+    MpmCloudPlanCompile(arrays->plan, march->scheme->basis, march->grid->dim, march->scheme->table->nstate, clouds);
     PetscCall(PetscMalloc1(MpmCloudsSize(march->grid, clouds), &bundles));
     PetscCall(MpmCloudsRun(arrays, clouds, bundles));
     PetscCall(PetscFree(bundles));
