@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Growth of the steps of examples/quiet-steps, by the symbol, is that of an independent program (data/growth-quiet.csv), and
 verlet with last 0 and 1 is usf and usl. The energy of mpm88.py, which has nothing of the program, rises a hundredfold with usl,
-and with verlet and rk4 never above that of the start.
+and with verlet and rk4 never above that of the start. The scenes of the folder 'grows' grow with verlet, and not at rest.
 
 check_quiet_steps.py; MPMSTAB names the program. Silent when all is well.
 """
 import csv
+import glob
 import json
 import os
 import subprocess
@@ -31,6 +32,16 @@ def words_of(row):
     return words + (["-poisson", row["poisson"]] if row["dim"] != "1" else [])
 
 
+def check_grows():
+    """The worst scenes of scripts/quiet_search.py, and the one with the smallest drift, grow as they say."""
+    scenes = sorted(glob.glob(os.path.join(FOLDER, "grows", "*.yaml")))
+    check(len(scenes) == 11, f"{len(scenes)} scenes")
+    for scene in scenes:
+        for words, status in ((), 0), (("-drift", "0"), 3):
+            done = subprocess.run([MPMSTAB, "spectrum", scene, "-measure", "false", *words], capture_output=True, text=True, timeout=60)
+            check(done.returncode == status, f"{scene} {words}: status {done.returncode}: {done.stderr}")
+
+
 def check_mpm88():
     sys.dont_write_bytecode = True
     sys.path.append(FOLDER)
@@ -49,6 +60,7 @@ def main():
     for row in rows:
         found = growth(*words_of(row))
         check(abs(found - float(row["growth"])) <= 1e-9 * found, f"{row}: growth {found}")
+    check_grows()
     check_mpm88()
     verlet = os.path.join(FOLDER, "verlet.yaml")
     for share, same in (("0", "usf"), ("1", "usl")):
