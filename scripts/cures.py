@@ -3,7 +3,7 @@
 
 cures.py [--check FILE]
 
-The table is that of docs/ringing.md. It begins with musl with flip on hats, two particles a cell, at Courant number 1/2; each
+The table is that of docs/ringing-tables.md. It begins with musl with flip on hats, two particles a cell, at Courant number 1/2; each
 row changes what its options say. Its first columns have the largest growth - 1 per time h / c at four velocities of the
 particles, over all waves ('symbol -refine -mach'). The price is in the last two: the share of the amplitude that a wave
 of 16 cells keeps after 10 periods at rest ('symbol -damping'), and the largest stable Courant number at rest

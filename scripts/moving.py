@@ -3,7 +3,7 @@
 
 moving.py [-o NAME] [--check FILE]
 
-The tables are those of docs/ringing.md (eight minutes). Each number is the largest growth over all waves: the phases are
+The tables are those of docs/ringing-tables.md (eight minutes). Each number is the largest growth over all waves: the phases are
 refined until it stops moving ('mpmstab symbol -refine'). With -o NAME the script also draws NAME.png and NAME.svg.
 --check FILE computes some forty of the numbers, and refuses a file whose tables have others.
 The environment variable MPMSTAB names the program (by default build/mpmstab).

@@ -5,7 +5,7 @@
 
    Layouts are jittered, with voids, two materials and walls. A drift that is no simple fraction makes another layout of each
    step. The limit is edge / sqrt(the largest eigenvalue of DIV STRESS GRAD over the layouts that are met), by power iterations
-   with the maps of each layout.
+   with the maps of each layout. With stages on particles it is that times P2G G2P, and with fmpm of order 2 times 2 - P2G G2P.
 */
 #include "check.h"
 #include "gather.h"
@@ -19,7 +19,16 @@
 #define ROUNDING 1e-13
 
 static const PetscReal   edges[] = {1.7320508075688772, 2, 2.8284271247461903, 4}; /* of rk3, kg3, rk4, kg5 */
-static const char *const cases[] = {"particles:flip", "nodes:flip", "nodes:pic", "nodes:blend", "nodes:apic"};
+static const char *const cases[] = {"particles:flip", "nodes:flip", "nodes:pic",  "nodes:blend -blend_ratio 0.9",
+                                    "nodes:apic",     "nodes:xpic", "nodes:fmpm", "nodes:xpic -xpic_order 5"};
+
+enum { NODES, PARTICLES, FMPM, KINDS };
+static const PetscReal multiples[KINDS][2] = {{1, 0}, {0, 1}, {2, -1}}; /* of 1 and P2G G2P */
+
+static PetscInt KindOf(const char of[])
+{
+  return strstr(of, "fmpm") ? FMPM : of[0] == 'p' ? PARTICLES : NODES;
+}
 
 typedef struct {
   const MpmTable *table;
@@ -51,10 +60,10 @@ static PetscErrorCode Apply(Layout *l, MpmOpKind kind, MpmOpKind mls, PetscBool 
 }
 
 /*
-   The largest eigenvalue of DIV STRESS GRAD at a step, or of that times P2G G2P. scene has usl: v and s are the state, v_i
+   The largest eigenvalue of DIV STRESS GRAD times what a kind needs, at a step. scene has usl: v and s are the state, v_i
    the first node registers and a_i the next.
 */
-static PetscErrorCode Largest(const MpmScene *scene, PetscInt64 step, PetscBool on_particles, PetscReal *largest)
+static PetscErrorCode Largest(const MpmScene *scene, PetscInt64 step, PetscInt kind, PetscReal *largest)
 {
   const MpmTable *t   = scene->scheme.table;
   const PetscInt  dim = t->dim;
@@ -84,16 +93,14 @@ static PetscErrorCode Largest(const MpmScene *scene, PetscInt64 step, PetscBool 
     for (PetscInt a = 0; a < dim; a++) {
       PetscReal norm;
 
-      if (on_particles) {
-        const MpmOp g2p = G2P(a, dim + a, ONE), p2g = P2G(dim + a, a);
-        Mat         map;
+      const MpmOp g2p = G2P(a, dim + a, ONE), p2g = P2G(dim + a, a);
+      Mat         map;
 
-        PetscCall(MpmMapsGet(&l.maps, &g2p, &map));
-        PetscCall(MatMult(map, l.node[dim + a], l.particle[a]));
-        PetscCall(MpmMapsGet(&l.maps, &p2g, &map));
-        PetscCall(MatMult(map, l.particle[a], l.node[dim + a]));
-      }
-      PetscCall(VecCopy(l.node[dim + a], l.node[a]));
+      PetscCall(MpmMapsGet(&l.maps, &g2p, &map));
+      PetscCall(MatMult(map, l.node[dim + a], l.particle[a]));
+      PetscCall(MpmMapsGet(&l.maps, &p2g, &map));
+      PetscCall(MatMult(map, l.particle[a], l.node[a]));
+      PetscCall(VecAXPBY(l.node[a], multiples[kind][0], multiples[kind][1], l.node[dim + a]));
       PetscCall(VecNorm(l.node[a], NORM_2, &norm));
       after = hypot(after, norm);
     }
@@ -200,15 +207,15 @@ static PetscErrorCode CheckNorms(const char layout[], PetscReal D)
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation usl -courant 0.1 %s", layout));
   for (PetscInt step = 0; step < 2; step++) {
-    PetscReal largest[2] = {0, 0};
+    PetscReal largest[KINDS] = {0};
 
     PetscCall(CheckScene(options, &scene));
-    for (int on = 0; on < 2; on++) PetscCall(Largest(scene, step, on ? PETSC_TRUE : PETSC_FALSE, &largest[on]));
+    for (PetscInt kind = 0; kind < KINDS; kind++) PetscCall(Largest(scene, step, kind, &largest[kind]));
     PetscCall(MpmSceneDestroy(&scene));
     for (PetscInt m = 0; MpmRkWord(m); m++)
       for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(cases); i++) {
         const char     *transfer = strchr(cases[i], ':') + 1;
-        const PetscReal limit    = edges[m] / sqrt(largest[cases[i][0] == 'p']);
+        const PetscReal limit    = edges[m] / sqrt(largest[KindOf(cases[i])]);
         char            here[512];
 
         if (!strcmp(transfer, "apic") && D == 0) continue;
@@ -246,7 +253,7 @@ static PetscErrorCode CheckQuiet(const char scheme[], const char layout[], Petsc
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation usl -courant 0.1 %s", layout));
   PetscCall(CheckScene(options, &scene));
   for (PetscInt step = 0; step < steps; step++)
-    PetscCall(Largest(scene, step, strstr(scheme, "particles") ? PETSC_TRUE : PETSC_FALSE, &largest));
+    PetscCall(Largest(scene, step, strstr(scheme, "particles") ? PARTICLES : KindOf(scheme), &largest));
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation rk %s %s", scheme, layout));
   PetscCall(CheckSceneOf("critical", options, &scene));
@@ -269,23 +276,20 @@ static PetscInt raised[3], layouts; /* in how many layouts usl, usf and musl rai
 /* A layout and the largest eigenvalues over its steps: on nodes, and on particles. */
 static PetscErrorCode Check(const char layout[], PetscReal D)
 {
-  static const PetscReal   edges[] = {1.7320508075688772, 2, 2.8284271247461903, 4};
-  static const char *const cases[] = {"particles:flip", "nodes:flip", "nodes:pic", "nodes:blend", "nodes:apic"};
-
   char      options[512];
-  PetscReal largest[2] = {0, 0}, rise;
+  PetscReal largest[KINDS] = {0}, rise;
   MpmScene *scene;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation usl -courant 0.1 %s", layout));
   PetscCall(CheckScene(options, &scene));
   for (PetscInt64 step = 0; step < STEPS; step++)
-    for (int on = 0; on < 2; on++) PetscCall(Largest(scene, step, on ? PETSC_TRUE : PETSC_FALSE, &largest[on]));
+    for (PetscInt kind = 0; kind < KINDS; kind++) PetscCall(Largest(scene, step, kind, &largest[kind]));
   PetscCall(MpmSceneDestroy(&scene));
   for (PetscInt m = 0; MpmRkWord(m); m++)
     for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(cases); i++) {
       const char     *transfer = strchr(cases[i], ':') + 1;
-      const PetscReal courant  = 0.99 * edges[m] / sqrt(largest[cases[i][0] == 'p']);
+      const PetscReal courant  = 0.99 * edges[m] / sqrt(largest[KindOf(cases[i])]);
 
       if (!strcmp(transfer, "apic") && D == 0) continue;
       PetscCall(PetscSNPrintf(
@@ -332,7 +336,9 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckQuiet("-rk kg3 -transfer apic -basis quadratic", "-cells 48 -drift -1/3 -basis quadratic", 3, 2));
   PetscCall(CheckQuiet("-rk_on nodes", "-dim 2 -cells 8 -drift 1/4,0 -ppc 1 -basis quadratic", 4, edges[2]));
   PetscCall(CheckQuiet("-transfer apic", "-cells 8 -drift 1/8", 0, 0));
-  PetscCall(CheckQuiet("-transfer xpic", "-cells 8 -drift 1/8", 0, 0));
+  PetscCall(CheckQuiet("-transfer xpic", "-cells 48 -drift 1/8", 8, edges[2]));
+  PetscCall(CheckQuiet("-transfer fmpm", "-cells 48 -drift 1/8 -basis quadratic", 8, edges[2]));
+  PetscCall(CheckQuiet("-transfer tpic -basis quadratic", "-cells 8 -drift 1/8", 0, 0));
   CHECK(raised[0] >= 3 && raised[1] == layouts && raised[2] == layouts,
         "in %d layouts usl, usf and musl raise the energy in %d, %d and %d", (int)layouts, (int)raised[0],
         (int)raised[1], (int)raised[2]);

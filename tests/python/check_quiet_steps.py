@@ -1,13 +1,16 @@
 #!/usr/bin/python3
 """Growth of the steps of examples/quiet-steps, by the symbol, is that of an independent program (data/growth-quiet.csv), and
-verlet with last 0 and 1 is usf and usl.
+verlet with last 0 and 1 is usf and usl. The energy of mpm88.py, which has nothing of the program, rises a hundredfold with usl,
+and with verlet and rk4 never above that of the start. The scenes of the folder 'grows' grow with verlet, and not at rest.
 
 check_quiet_steps.py; MPMSTAB names the program. Silent when all is well.
 """
 import csv
+import glob
 import json
 import os
 import subprocess
+import sys
 
 from checks import ROOT, check
 
@@ -29,6 +32,27 @@ def words_of(row):
     return words + (["-poisson", row["poisson"]] if row["dim"] != "1" else [])
 
 
+def check_grows():
+    """The worst scenes of scripts/quiet_search.py, and the one with the smallest drift, grow as they say."""
+    scenes = sorted(glob.glob(os.path.join(FOLDER, "grows", "*.yaml")))
+    check(len(scenes) == 11, f"{len(scenes)} scenes")
+    for scene in scenes:
+        for words, status in ((), 0), (("-drift", "0"), 3):
+            done = subprocess.run([MPMSTAB, "spectrum", scene, "-measure", "false", *words], capture_output=True, text=True, timeout=60)
+            check(done.returncode == status, f"{scene} {words}: status {done.returncode}: {done.stderr}")
+
+
+def check_mpm88():
+    sys.dont_write_bytecode = True
+    sys.path.append(FOLDER)
+    import mpm88
+    energy = {step: mpm88.run(step, cells=8, courant=0.9, mach=0.2, time=250)[1] for step in mpm88.STEPS}
+    check(energy["usl"][-1] > 100, f"mpm88.py: energy with usl ends at {energy['usl'][-1]}")
+    check(max(energy["verlet"]) <= 1, f"mpm88.py: energy with verlet comes to {max(energy['verlet'])}")
+    rise = max(after - before for before, after in zip(energy["rk4"], energy["rk4"][1:]))
+    check(rise <= 0, f"mpm88.py: a step of rk4 raises the energy by {rise} of that of the start")
+
+
 def main():
     with open(os.path.join(ROOT, "tests", "data", "growth-quiet.csv"), encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -36,6 +60,8 @@ def main():
     for row in rows:
         found = growth(*words_of(row))
         check(abs(found - float(row["growth"])) <= 1e-9 * found, f"{row}: growth {found}")
+    check_grows()
+    check_mpm88()
     verlet = os.path.join(FOLDER, "verlet.yaml")
     for share, same in (("0", "usf"), ("1", "usl")):
         for words in ("-drift 1/8 -courant 0.9", "-transfer apic -basis quadratic -drift 1/5 -courant 1.5"):

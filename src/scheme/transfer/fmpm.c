@@ -23,6 +23,7 @@ static PetscReal SharpSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha)
 }
 
 const MpmTransfer MpmFmpm = {.name      = "fmpm",
+                             .quiet     = PETSC_TRUE,
                              .summary   = "particles take values by xpic_order terms of the full mass matrix's inverse",
                              .reference = "Nairn and Hammerquist 2021",
                              .option    = "xpic_order",

@@ -77,6 +77,7 @@ PetscReal MpmTransferOrder(const MpmSchemeNumbers *numbers)
 }
 
 const MpmTransfer MpmXpic = {.name          = "xpic",
+                             .quiet         = PETSC_TRUE,
                              .summary       = "pic with its smoothing taken back, to xpic_order terms",
                              .reference     = "Hammerquist and Nairn 2017",
                              .option        = "xpic_order",
