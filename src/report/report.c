@@ -140,6 +140,14 @@ static PetscErrorCode PrintConserved(const MpmRun *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode PrintSolver(const MpmRun *run)
+{
+  PetscFunctionBegin;
+  if (!run->scene->scheme.table->nstiff || run->steps == run->from) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmPrint("solver: %.3g iterations a step\n", (PetscReal)run->iterations / (PetscReal)(run->steps - run->from));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode PrintLoad(const MpmRun *run)
 {
   PetscFunctionBegin;
@@ -186,7 +194,8 @@ static PetscErrorCode PrintTransfer(const MpmRun *run)
 
 static PetscErrorCode PrintVerdict(const MpmRun *run)
 {
-  const MpmGrowth *growth = &run->growth;
+  const MpmGrowth *growth     = &run->growth;
+  char             solver[64] = "";
 
   PetscFunctionBegin;
   MpmPrint("\nverdict: %s", MpmVerdictNames[run->verdict]);
@@ -207,8 +216,10 @@ static PetscErrorCode PrintVerdict(const MpmRun *run)
   else
     MpmPrint(", the state stays bounded%s\n",
              run->has_errors ? " (from smooth data; random data excite every mode)" : "");
+  if (run->scene->scheme.table->nstiff)
+    PetscCall(PetscSNPrintf(solver, sizeof solver, " (%.3g s in the solver)", (double)run->solve_s));
   if (run->steps > run->from)
-    MpmPrint("time: %.3g s in the loop, %.3g ns per particle and step, %.3g s in all\n", run->loop_s,
+    MpmPrint("time: %.3g s in the loop%s, %.3g ns per particle and step, %.3g s in all\n", run->loop_s, solver,
              1e9 * run->loop_s / ((PetscReal)(run->steps - run->from) * (PetscReal)run->scene->layout.particles),
              run->wall_s);
   else
@@ -224,6 +235,7 @@ PetscErrorCode MpmRunPrint(const MpmRun *run)
   PetscCall(PrintErrors(run));
   PetscCall(PrintConserved(run));
   PetscCall(PrintLoad(run));
+  PetscCall(PrintSolver(run));
   PetscCall(PrintTransfer(run));
   PetscCall(MpmTangentsPrint(run->tangents));
   PetscCall(PrintVerdict(run));

@@ -43,6 +43,12 @@ PetscBool MpmRecordHasShare(const MpmScene *scene, MpmRecord record)
   return MpmFormulationReads(scene->scheme.formulation, "share");
 }
 
+PetscBool MpmRecordHasTheta(const MpmScene *scene, MpmRecord record)
+{
+  (void)record;
+  return MpmFormulationReads(scene->scheme.formulation, "theta");
+}
+
 PetscBool MpmRecordHasRk(const MpmScene *scene, MpmRecord record)
 {
   (void)record;

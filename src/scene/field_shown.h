@@ -9,6 +9,7 @@ PetscBool MpmRecordHasOrder(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasRatio(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasAffineRatio(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasShare(const MpmScene *scene, MpmRecord record);
+PetscBool MpmRecordHasTheta(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasRk(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasFilterTime(const MpmScene *scene, MpmRecord record);
 PetscBool MpmRecordHasDim(const MpmScene *scene, MpmRecord record);

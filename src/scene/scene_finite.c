@@ -56,6 +56,11 @@ static PetscBool HasProjected(const MpmFormulation *f)
   return MpmFormulationHas(f, MPM_MOVE_PROJECTED);
 }
 
+static PetscBool IsExplicit(const MpmFormulation *f)
+{
+  return HasMove(f) && !MpmFormulationHas(f, MPM_IMPLICIT) ? PETSC_TRUE : PETSC_FALSE;
+}
+
 PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene)
 {
   PetscInt  word;
@@ -72,6 +77,7 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
   }
   PetscCall(MpmSettingsRequire(settings, scene, "kinematics", HasMove,
                                "stress with a velocity that particles could move with"));
+  PetscCall(MpmSettingsRequire(settings, scene, "kinematics", IsExplicit, "step without a linear system of the nodes"));
   PetscCall(MpmSettingsRequire(settings, scene, "kinematics", LeavesStress,
                                "stress that it takes to vectors by DIV and from vectors by GRAD alone"));
   for (PetscInt a = 0; a < scene->layout.dim; a++)
