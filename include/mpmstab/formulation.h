@@ -52,6 +52,9 @@
    MPM_LAP        - node = a (f_{i+1} - 2 f_i + f_{i-1})
    MPM_COPY       - node = a f
    MPM_SOLVE      - node = a (P W)^+ f with P = P2G and W = G2P: the least y whose P2G G2P is f
+   MPM_IMPLICIT   - node = (1 + a K)^-1 node of a vector, K = DIV STRESS GRAD, whose lines are a table of its own (table.h). There
+                    is an operation for each component, one after the other, with axis as the number of the component: the
+                    first of them solves for all, so that interpreters pass over the others.
    MPM_WALL       - node = a f at the wall node of one end (side) alone
    MPM_DRIFT      - x_p += U0 dt
 
@@ -86,6 +89,7 @@ typedef enum {
   MPM_LAP,
   MPM_COPY,
   MPM_SOLVE,
+  MPM_IMPLICIT,
   MPM_WALL,
   MPM_ADVANCE,
   MPM_DRIFT,
@@ -212,6 +216,7 @@ PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 #define ADD(node, other)               ADD_TIMES(node, other, 1)
 #define ADD_TIMES(node, other, number) {.kind = MPM_COPY, .dst = node, .src = other, .accumulates = PETSC_TRUE, .factor = number}
 #define SOLVE(node, other)             {.kind = MPM_SOLVE, .dst = node, .src = other, .factor = 1}
+#define IMPLICIT(node, number, power)  {.kind = MPM_IMPLICIT, .dst = node, .src = node, .coefficient = MPM_##power, .factor = number}
 #define DRIFT                          {.kind = MPM_DRIFT, .dst = MPM_NONE, .src = MPM_NONE, .factor = 1}
 #define FILTER(particle, node)         {.kind = MPM_FILTER, .dst = particle, .src = node, .factor = 1}
 #define FILTER_BEFORE(particle, node)  {.kind = MPM_FILTER_BEFORE, .dst = particle, .src = node, .factor = 1}
@@ -265,6 +270,7 @@ typedef struct MpmSchemeNumbers_ MpmSchemeNumbers; /* mpmstab/transfer.h */
             particles: they are multiplied by its sharp_symbol.
    kappa  - the symbol of DIV GRAD: the mean over a cell's particles of abs(symbol of h dphi/dx)^2. In more dimensions
             it is an eigenvalue of DIV STRESS GRAD.
+   stiff  - kappa of the grid itself, without sharp_symbol, which is that of IMPLICIT
    mu     - the symbol of P2G GRAD. For the hat basis it is e (1 - cos beta) + i sin beta, e = C1 - C2 = 2 mean(xi) - 1.
             In more dimensions it is a square root of the sum of the squares over the directions.
    chi    - with a prestress s0: s0 times the symbol of CURVE G2P, which is the mean over a cell's particles of
@@ -279,7 +285,7 @@ typedef struct MpmSchemeNumbers_ MpmSchemeNumbers; /* mpmstab/transfer.h */
    Source: theory of the symbol in docs/theory.md, section 4.
 S*/
 typedef struct {
-  PetscReal      alpha, kappa, lap, filter, taken;
+  PetscReal      alpha, kappa, stiff, lap, filter, taken;
   double complex mu, chi;
   PetscBool      projected;
 

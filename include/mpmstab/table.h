@@ -34,8 +34,12 @@
    affine_part   - the first register of the affine part: dim rows, one for each component of the vector, of dim numbers
    affine_map    - the kind of operation that fills the affine part from nodes: G2P_AFFINE or G2P_SLOPE
    ends          - the kinds of the left and of the right end of each direction
+   nstiff, stiff - the tables of the K of IMPLICIT, one for each vector that is solved for (MpmTableStiffness). They have the
+                   registers of this table, and lines of their own: GRAD of the vector from register solved on to scratch, DIV of
+                   that to the registers from image on, and walls. So image = K solved.
    where, transfer - what messages call the formulation, and the transfer
 S*/
+#define MPM_MAX_STIFF 4
 struct MpmTable_ {
   PetscInt           dim, nops, room;
   MpmOp             *ops;
@@ -49,6 +53,8 @@ struct MpmTable_ {
   MpmMaterialNumbers material;
   MpmOpKind          affine_map;
   MpmEnd             ends[MPM_MAX_DIM][2];
+  PetscInt           nstiff, solved, image;
+  MpmTable          *stiff[MPM_MAX_STIFF];
   char               where[512];
   const MpmTransfer *transfer;
 };
@@ -247,5 +253,9 @@ const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt particle);
 /* Not collective. The parity of P2G of a particle register, by direction. */
 const MpmParity *MpmTableParity(const MpmTable *table, PetscInt particle);
 
-/* Not collective. Whether the table has an operation of a kind. */
+/* Not collective. Whether the table has an operation of a kind. MpmTableSolves: SOLVE or IMPLICIT, which couple all nodes. */
 PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind);
+PetscBool MpmTableSolves(const MpmTable *table);
+
+/* Not collective. The table of K of an operation IMPLICIT. */
+const MpmTable *MpmTableStiffness(const MpmTable *table, const MpmOp *implicit);

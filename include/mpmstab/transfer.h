@@ -6,8 +6,8 @@ typedef struct MpmTable_ MpmTable;
 
 /*
    The numbers that a scheme may be given. Those of transfers: the order of xpic and fmpm, the share of flip in a blend, and that in the
-   velocities of an affine flip. Those of formulations: the part of the strain that verlet takes after the force, and the
-   method of rk and where its stages are.
+   velocities of an affine flip. Those of formulations: the part of the strain that verlet takes after the force, the
+   method of rk and where its stages are, and theta of the implicit step.
 */
 struct MpmSchemeNumbers_ {
   PetscInt  order;
@@ -15,6 +15,7 @@ struct MpmSchemeNumbers_ {
   PetscReal share;
   PetscInt  rk;
   MpmRkOn   rk_on;
+  PetscReal theta;
 };
 
 /*S

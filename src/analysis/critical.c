@@ -234,15 +234,17 @@ static PetscErrorCode Search(const MpmCriticalCase *of, const Strategy *s, Petsc
 /* Up to where a theorem says that the scheme cannot ring; else which formulation of the same waves could not, in its place. */
 static PetscErrorCode Quieten(const MpmCriticalCase *of, MpmCritical *c)
 {
-  MpmScheme       other = *of->scheme;
-  MpmCriticalCase cured = *of;
+  const PetscBool drifts = MpmStepDrifts(&of->step);
+  MpmScheme       other  = *of->scheme;
+  MpmCriticalCase cured  = *of;
 
   PetscFunctionBegin;
   PetscCall(MpmCriticalQuiet(of, &c->quiet));
+  if (!drifts && isfinite(c->quiet)) c->quiet = 0; /* at rest the limit itself says more */
   if (of->step.courant <= c->quiet && !(c->asked.growth > 1 + of->tolerance))
     PetscCall(MpmFindingDecide(&c->asked, "a theorem says that nothing grows here"));
   cured.scheme = &other;
-  for (PetscInt f = 0; MpmFormulations[f] && !c->quiet && !c->cure; f++) {
+  for (PetscInt f = 0; drifts && MpmFormulations[f] && !c->quiet && !c->cure; f++) {
     other.formulation = MpmFormulations[f];
     if (!other.formulation->quiet || other.formulation->wave != of->scheme->formulation->wave) continue;
     if (other.transfer->affine && other.formulation->affine == MPM_NONE) continue;
@@ -265,7 +267,7 @@ PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCr
   PetscCall(Search(of, StrategyOf(of, c), alone, c));
   MpmZoomFold(of->layout->dim, c->beta);
   if (!drifts) c->bound = MpmCriticalBound(of->layout, of->scheme);
-  if (drifts && !alone) PetscCall(Quieten(of, c));
+  if (!alone && (drifts || of->scheme->formulation->quiet)) PetscCall(Quieten(of, c));
   PetscCall(CheckRounding(of, c));
   if (of->layout->dim == 1)
     PetscCall(Compare(of, c));

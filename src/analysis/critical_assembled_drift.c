@@ -76,6 +76,7 @@ PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way)
   allowed   = MOST_WORK / (size * size * size * (period + OF_EIGENVALUES));
   way->done = PETSC_FALSE;
   if (n > MOST_ORDER || allowed < FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmTableHas(of->scheme->table, MPM_IMPLICIT)) PetscFunctionReturn(PETSC_SUCCESS); /* it is no polynomial in k */
   if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(FollowFactors(of, (PetscInt64)allowed, way));
   PetscCallMPI(MPI_Bcast(way, sizeof *way, MPI_BYTE, 0, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -133,6 +133,7 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
   }
   if (!lone->known) PetscFunctionReturn(PETSC_SUCCESS);
   if (bounded) cell.kappa = Stiffest(&scheme->space, H);
+  cell.stiff    = cell.kappa;
   lone->courant = f->limit(&cell);
   lone->growth  = f->corrected(&cell, courant);
   if (isinf(lone->courant)) {

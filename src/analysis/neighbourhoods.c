@@ -94,8 +94,10 @@ static PetscErrorCode Unbound(const MpmScene *scene, MpmLayout *layout, MpmSchem
 /* Whether the nodal operator of a scheme is a product of maps. A solve on the grid is none. */
 static PetscBool HasOperator(const MpmCriticalCase *of, MpmNeighbourhood *one)
 {
-  if (!MpmTableHas(of->scheme->table, MPM_SOLVE)) return PETSC_TRUE;
-  one->why_not = "the search is for transfers without a solve on the grid";
+  if (!MpmTableSolves(of->scheme->table)) return PETSC_TRUE;
+  one->why_not = MpmTableHas(of->scheme->table, MPM_IMPLICIT)
+                     ? "the search is for steps without a linear system"
+                     : "the search is for transfers without a solve on the grid";
   return PETSC_FALSE;
 }
 
@@ -182,18 +184,34 @@ static PetscErrorCode Search(const MpmCriticalCase *of, const MpmRequest *reques
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where a theorem says that nothing grows on any layout, at any Courant number, there is nothing to search. */
+static PetscErrorCode HasNoLimit(const MpmCriticalCase *of, MpmNeighbourhood *one, PetscBool *none)
+{
+  PetscReal quiet = 0;
+
+  PetscFunctionBegin;
+  if (MpmTableHas(of->scheme->table, MPM_IMPLICIT)) PetscCall(MpmCriticalQuiet(of, &quiet));
+  *none = isinf(quiet) ? PETSC_TRUE : PETSC_FALSE;
+  if (!*none) PetscFunctionReturn(PETSC_SUCCESS);
+  one->courant = INFINITY;
+  one->growth  = 1;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, PetscBool limits, MpmNeighbourhood *one)
 {
   const PetscReal begin = MPI_Wtime();
   MpmLayout       layout;
   MpmScheme       scheme;
-  MpmCriticalCase of = {.layout = &layout, .scheme = &scheme, .tolerance = request->tolerance};
+  MpmCriticalCase of   = {.layout = &layout, .scheme = &scheme, .tolerance = request->tolerance};
+  PetscBool       none = PETSC_FALSE;
 
   PetscFunctionBegin;
   one->why_not = WhyNot(scene);
   if (one->why_not) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Unbound(scene, &layout, &scheme, &of.step));
-  PetscCall(Search(&of, request, limits, one));
+  PetscCall(HasNoLimit(&of, one, &none));
+  if (!none) PetscCall(Search(&of, request, limits, one));
   PetscCall(MpmTableDestroy(&scheme.table));
   one->verdict = VerdictOf(one->growth, request->tolerance);
   if (one->unstable) one->verdict = MPM_UNSTABLE;

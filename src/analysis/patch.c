@@ -537,7 +537,7 @@ PetscErrorCode MpmPatchFind(const MpmCriticalCase *of, MpmPatchKind kind, MpmPat
   Fewer           fewer = {.known = {PETSC_FALSE}};
 
   PetscFunctionBegin;
-  MpmCheckInput(!MpmTableHas(of->scheme->table, MPM_SOLVE),
+  MpmCheckInput(!MpmTableSolves(of->scheme->table),
                 "transfer %s: limits of edges, corners and lone particles are not known for a transfer that solves for "
                 "the values of nodes; allowed: all others",
                 of->scheme->transfer->name);

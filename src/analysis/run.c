@@ -4,6 +4,7 @@
 */
 #include "analysis/run.h"
 #include "march/conserved.h"
+#include "march/implicit_solve.h"
 #include "march/march_private.h"
 #include "scene/layout.h"
 #include "scene/material.h"
@@ -269,8 +270,9 @@ static PetscErrorCode Conclude(Loop *loop)
   PetscFunctionBegin;
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop->march, r->error));
   r->steps = loop->march->step;
-  r->time  = MpmMarchTime(loop->march, r->steps);
-  alike    = loop->march->particles->per_cell || !loop->march->particles->count ? PETSC_TRUE : PETSC_FALSE;
+  MpmImplicitSolveTotals(loop->march, &r->iterations, &r->solve_s);
+  r->time = MpmMarchTime(loop->march, r->steps);
+  alike   = loop->march->particles->per_cell || !loop->march->particles->count ? PETSC_TRUE : PETSC_FALSE;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
   r->bytes = MpmScheduleBytes(scene->scheme.table, &loop->march->schedule,
                               (PetscReal)scene->layout.particles / MpmLayoutNodes(&scene->layout), alike);

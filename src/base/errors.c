@@ -25,8 +25,9 @@ static void PrintLine(const char message[])
 }
 
 /* The prefixes of the options of PETSc and SLEPc; none of ours begins with one of them. */
-static const char *const foreign[] = {"mat_", "vec_", "sf_",  "ksp_", "pc_", "eps_",   "st_",    "ds_",    "bv_",
-                                      "rg_",  "fn_",  "svd_", "dm_",  "is_", "nodal_", "swarm_", "petsc_", "mg_"};
+static const char *const foreign[] = {"mat_",   "vec_",      "sf_",    "ksp_",   "pc_",  "eps_", "st_",
+                                      "ds_",    "bv_",       "rg_",    "fn_",    "svd_", "dm_",  "is_",
+                                      "nodal_", "implicit_", "swarm_", "petsc_", "mg_"};
 
 static PetscBool IsForeign(const char word[])
 {

@@ -6,6 +6,7 @@
 #include "march/clouds.h"
 #include "march/finite.h"
 #include "march/finite_state.h"
+#include "march/implicit_solve.h"
 #include <math.h>
 
 #define OF_PARTICLE 12.0 /* bytes: id and owner */
@@ -90,16 +91,31 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Compiles the passes, and the one before the first step, for more than one dimension. */
-static PetscErrorCode CompilePlans(MpmMarch *march)
+const MpmPass *MpmMarchPass(const MpmMarch *march, PetscInt number)
 {
   const MpmSchedule *schedule = &march->schedule;
+  const PetscInt     solve    = number - schedule->npasses - 1;
 
+  if (number < schedule->npasses) return &schedule->pass[number];
+  if (number == schedule->npasses) return &schedule->start;
+  return solve < march->scheme->table->nstiff ? march->implicit[solve]->schedule.pass : NULL;
+}
+
+static PetscInt CountPasses(const MpmMarch *march)
+{
+  PetscInt n = 0;
+
+  while (MpmMarchPass(march, n)) n++;
+  return n;
+}
+
+/* Compiles the passes for more than one dimension. */
+static PetscErrorCode CompilePlans(MpmMarch *march)
+{
   PetscFunctionBegin;
-  if (!march->plans) PetscCall(PetscMalloc1(schedule->npasses + 1, &march->plans));
-  for (PetscInt p = 0; p < schedule->npasses; p++)
-    MpmRowPlanCompile(&schedule->pass[p], march->scheme->basis, march->grid->dim, &march->plans[p]);
-  MpmRowPlanCompile(&schedule->start, march->scheme->basis, march->grid->dim, &march->plans[schedule->npasses]);
+  if (!march->plans) PetscCall(PetscMalloc1(CountPasses(march), &march->plans));
+  for (PetscInt p = 0; MpmMarchPass(march, p); p++)
+    MpmRowPlanCompile(MpmMarchPass(march, p), march->scheme->basis, march->grid->dim, &march->plans[p]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -110,8 +126,8 @@ static PetscErrorCode CompileClouds(MpmMarch *march)
 
   PetscFunctionBegin;
   if (march->layout->jitter == 0 && !march->particles->own) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!march->clouds) PetscCall(PetscMalloc1(march->schedule.npasses + 1, &march->clouds));
-  for (PetscInt p = 0; p <= march->schedule.npasses; p++) {
+  if (!march->clouds) PetscCall(PetscMalloc1(CountPasses(march), &march->clouds));
+  for (PetscInt p = 0; MpmMarchPass(march, p); p++) {
     MpmCloudPlanCompile(&march->plans[p], march->scheme->basis, march->layout->dim, march->scheme->table->nstate,
                         &march->clouds[p]);
     size = PetscMax(size, MpmCloudsSize(march->grid, &march->clouds[p]));
@@ -204,6 +220,8 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   PetscCall(MpmParticlesCreate(layout, scheme->table, step->drift, m->grid, &m->particles));
   m->fullest = m->particles->count;
   if (m->particles->own) PetscCall(PetscNew(&m->watch));
+  for (PetscInt i = 0; i < scheme->table->nstiff; i++)
+    PetscCall(MpmImplicitSolveCreate(m, scheme->table->stiff[i], &m->implicit[i]));
   if (layout->dim > 1) {
     PetscCall(CompilePlans(m));
     PetscCall(CompileClouds(m));
@@ -278,6 +296,7 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
   PetscCall(PetscFree((*march)->clouds));
   PetscCall(PetscFree((*march)->bundles));
   PetscCall(MpmNodalSolveDestroy(&(*march)->nodal_solve));
+  for (PetscInt i = 0; i < MPM_MAX_STIFF; i++) PetscCall(MpmImplicitSolveDestroy(&(*march)->implicit[i]));
   PetscCall(MpmScheduleDestroy(&(*march)->schedule));
   PetscCall(MpmParticlesDestroy(&(*march)->particles));
   PetscCall(MpmGridDestroy(&(*march)->grid));

@@ -64,12 +64,14 @@ void MpmMarchFollowNodes(const MpmPass *pass, PetscReal *const field[], PetscInt
 }
 
 PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, PetscInt64 step, const MpmPass *pass, PetscReal *const field[],
-                               const PetscReal inverse_mass[], const MpmPlaces *places, const MpmNodesDone done[])
+                               const PetscReal inverse_mass[], const MpmPlaces *places, const MpmNodesDone done[],
+                               PetscInt *next)
 {
   const MpmGrid *grid = march->grid;
 
   PetscFunctionBegin;
-  for (PetscInt o = 0; o < pass->nnode_ops; o++) {
+  for (; *next < pass->nnode_ops && pass->node_op[*next].kind != MPM_IMPLICIT; ++*next) {
+    const PetscInt   o      = *next;
     const MpmNodeOp *op     = &pass->node_op[o];
     const PetscInt   beyond = grid->ghost - op->depth;
 

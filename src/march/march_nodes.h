@@ -25,6 +25,10 @@ typedef struct {
 */
 void MpmMarchFollowNodes(const MpmPass *pass, PetscReal *const field[], PetscInt lo, PetscInt hi, MpmNodesDone done[]);
 
-/* Collective. Does the node operations that follow a pass on all other nodes. step is that of the particles' places. */
+/*
+   Collective. Does the node operations that follow a pass on all other nodes, from number *next on, which becomes that of the
+   first IMPLICIT there, or their number. step is that of the particles' places.
+*/
 PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, PetscInt64 step, const MpmPass *pass, PetscReal *const field[],
-                               const PetscReal inverse_mass[], const MpmPlaces *places, const MpmNodesDone done[]);
+                               const PetscReal inverse_mass[], const MpmPlaces *places, const MpmNodesDone done[],
+                               PetscInt *next);

@@ -7,6 +7,7 @@
    wait for the halo sum, because other ranks share their nodes. The first pass of a group takes these blocks before all
    others, so that their sums are under way while the others are run.
 */
+#include "march/implicit_solve.h"
 #include "march/march_stage.h"
 #include "march/rows.h"
 
@@ -284,10 +285,16 @@ static PetscErrorCode RunStages(MpmMarch *march, const MpmNodeVectors *nodes, Pe
   }
   for (PetscInt g = 0; g < n; g++) PetscCall(FinishStage(&stage[g]));
   PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
-  places = (MpmPlaces){{arrays.cell}, {arrays.xi}, arrays.weight[MPM_MASS]};
-  PetscCall(
-      MpmMarchNodeOps(march, *step, stage[n - 1].pass, stage[n - 1].after, arrays.mass, &places, stage[n - 1].done));
-  PetscCall(RestoreArrays(&arrays, &stage[n - 1]));
+  for (PetscInt o = 0;; o++) {
+    places = (MpmPlaces){{arrays.cell}, {arrays.xi}, arrays.weight[MPM_MASS]};
+    PetscCall(MpmMarchNodeOps(march, *step, stage[n - 1].pass, stage[n - 1].after, arrays.mass, &places,
+                              stage[n - 1].done, &o));
+    PetscCall(RestoreArrays(&arrays, &stage[n - 1]));
+    if (o == stage[n - 1].pass->nnode_ops) break;
+    PetscCall(MpmImplicitSolveApply(march, *step, &stage[n - 1].pass->node_op[o])); /* it has passes of its own */
+    PetscCall(GetArrays(march, nodes, &arrays));
+    PetscCall(PetscArraycpy(stage[n - 1].after, arrays.node, nodes->n));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,7 +7,8 @@
 #include "march/passes.h"
 #include <mpmstab/march.h>
 
-typedef struct MpmRowPlan_ MpmRowPlan; /* a pass compiled for more than one dimension (march/rows.h) */
+typedef struct MpmRowPlan_       MpmRowPlan;       /* a pass compiled for more than one dimension (march/rows.h) */
+typedef struct MpmImplicitSolve_ MpmImplicitSolve; /* march/implicit_solve.h */
 typedef struct MpmWatch_ MpmWatch; /* what passes find out about particles that move each by itself (march/finite.h) */
 typedef struct MpmCloudPlan_ MpmCloudPlan; /* and for particles that share no coordinate (march/clouds.h) */
 
@@ -27,31 +28,32 @@ typedef struct {
    digit, so that it can be followed for any number of steps.
 S*/
 struct MpmMarch_ {
-  const MpmScene  *scene; /* units, exact solution and output; NULL: random data, which have none of these */
-  const MpmLayout *layout;
-  const MpmScheme *scheme;
-  PetscReal        cell_width;                     /* 1 without a scene */
-  PetscReal        courant, velocity[MPM_MAX_DIM]; /* at finite deformation: of a step, and of the start over c */
-  PetscReal        elapsed;                        /* where steps differ: the sum of their Courant numbers */
-  MpmGrid         *grid;
-  MpmParticles    *particles;
-  MpmSchedule      schedule;
-  MpmRowPlan      *plans;  /* in more than one dimension: of the passes, and of the start after them */
-  MpmRow          *row;    /* the rows of the particles, and where the last one ends; nrows are there */
-  MpmCloudPlan    *clouds; /* the same where particles share no coordinate, or NULL; bundles: memory for them */
-  PetscReal       *bundles;
-  PetscInt         nnodes, slack, nrows;
-  PetscInt         fullest; /* the largest number of particles that this rank has had */
-  Vec              node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
-  MpmNodalSolve   *nodal_solve;                                               /* NULL: the table has no SOLVE */
-  PetscInt64       step, migrations;
-  PetscInt         exponent;
-  MpmWatch        *watch;                   /* NULL where particles do not move each by itself */
-  char             failure[512];            /* what has happened to a particle; empty: nothing */
-  PetscReal       *scratch;                 /* MPM_BLOCK numbers for each scratch register of the particles */
-  PetscReal        squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
-  PetscLogEvent    pass_event, sum_event, migrate_event;
-  MpmFloatCheck    float_check;
+  const MpmScene   *scene; /* units, exact solution and output; NULL: random data, which have none of these */
+  const MpmLayout  *layout;
+  const MpmScheme  *scheme;
+  PetscReal         cell_width;                     /* 1 without a scene */
+  PetscReal         courant, velocity[MPM_MAX_DIM]; /* at finite deformation: of a step, and of the start over c */
+  PetscReal         elapsed;                        /* where steps differ: the sum of their Courant numbers */
+  MpmGrid          *grid;
+  MpmParticles     *particles;
+  MpmSchedule       schedule;
+  MpmRowPlan       *plans;  /* in more than one dimension: of the passes, and of the start after them */
+  MpmRow           *row;    /* the rows of the particles, and where the last one ends; nrows are there */
+  MpmCloudPlan     *clouds; /* the same where particles share no coordinate, or NULL; bundles: memory for them */
+  PetscReal        *bundles;
+  PetscInt          nnodes, slack, nrows;
+  PetscInt          fullest; /* the largest number of particles that this rank has had */
+  Vec               node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
+  MpmNodalSolve    *nodal_solve;                                               /* NULL: the table has no SOLVE */
+  MpmImplicitSolve *implicit[MPM_MAX_STIFF]; /* of the tables of K that the table has */
+  PetscInt64        step, migrations;
+  PetscInt          exponent;
+  MpmWatch         *watch;                   /* NULL where particles do not move each by itself */
+  char              failure[512];            /* what has happened to a particle, or to a solve; empty: nothing */
+  PetscReal        *scratch;                 /* MPM_BLOCK numbers for each scratch register of the particles */
+  PetscReal         squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
+  PetscLogEvent     pass_event, sum_event, migrate_event;
+  MpmFloatCheck     float_check;
 };
 
 /*
@@ -138,6 +140,9 @@ PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes,
 /* Collective. As MpmMarchRunPassesOn, for one pass in two or three dimensions. */
 PetscErrorCode MpmMarchRunRows(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, const MpmPass *pass,
                                PetscBool sample);
+
+/* Not collective. The passes that have plans: those of the schedule, its start, and that of each solve. NULL after the last. */
+const MpmPass *MpmMarchPass(const MpmMarch *march, PetscInt number);
 
 /* Not collective. Finds the rows of the particles, if passes go through rows. It is called when places have changed. */
 PetscErrorCode MpmRowsFind(MpmMarch *march);

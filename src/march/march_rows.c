@@ -1,5 +1,6 @@
 /* One pass in more than one dimension: particles, the sum over ranks, and the node operations that follow. */
 #include "march/clouds.h"
+#include "march/implicit_solve.h"
 
 static PetscErrorCode GetArrays(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 step, const MpmPass *pass,
                                 MpmRowArrays *a)
@@ -112,14 +113,11 @@ static PetscErrorCode SumNodes(const MpmMarch *march, const MpmNodeVectors *node
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The number of the plan of a pass of the march's schedule, or MPM_NONE. */
+/* The number of the plan of a pass, or MPM_NONE. */
 static PetscInt PlanOf(const MpmMarch *march, const MpmPass *pass)
 {
-  const MpmSchedule *schedule = &march->schedule;
-
-  if (pass == &schedule->start) return schedule->npasses;
-  for (PetscInt p = 0; p < schedule->npasses; p++)
-    if (pass == &schedule->pass[p]) return p;
+  for (PetscInt p = 0; MpmMarchPass(march, p); p++)
+    if (pass == MpmMarchPass(march, p)) return p;
   return MPM_NONE;
 }
 
@@ -149,10 +147,13 @@ static PetscErrorCode RunParticles(MpmMarch *march, const MpmPass *pass, const M
 PetscErrorCode MpmMarchRunRows(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, const MpmPass *pass,
                                PetscBool sample)
 {
+  static const MpmPass nothing;
+
   const PetscInt number = PlanOf(march, pass);
   MpmRowArrays   arrays = {.march = march, .sample = sample, .squares = march->squares};
   MpmRowPlan    *own    = NULL; /* of a pass that is none of the schedule's */
   PetscReal     *after[MPM_MAX_FIELDS];
+  PetscInt       o = 0;
 
   PetscFunctionBegin;
   if (number == MPM_NONE) {
@@ -169,8 +170,15 @@ PetscErrorCode MpmMarchRunRows(MpmMarch *march, const MpmNodeVectors *nodes, Pet
   PetscCall(SumNodes(march, nodes, pass, arrays.sum));
   PetscCall(PetscLogEventEnd(march->sum_event, 0, 0, 0, 0));
   for (PetscInt f = 0; f < nodes->n; f++) after[f] = arrays.sum[f] ? arrays.sum[f] : arrays.node[f];
-  PetscCall(MpmRowsNodeOps(march, pass, *step, &arrays, after));
+  PetscCall(MpmRowsNodeOps(march, pass, *step, &arrays, after, &o));
   PetscCall(RestoreArrays(march, nodes, pass, &arrays));
+  while (o < pass->nnode_ops) { /* a solve takes particles through passes of its own */
+    PetscCall(MpmImplicitSolveApply(march, *step, &pass->node_op[o]));
+    o += march->grid->dim;
+    PetscCall(GetArrays(march, nodes, *step, &nothing, &arrays));
+    PetscCall(MpmRowsNodeOps(march, pass, *step, &arrays, arrays.node, &o));
+    PetscCall(RestoreArrays(march, nodes, &nothing, &arrays));
+  }
   PetscCall(PetscFree(own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -67,7 +67,8 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
 static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscInt    reads  = op->kind == MPM_SOLVE ? 0 : c->depth[op->src] + traits.halo;
+  const PetscBool   solves = op->kind == MPM_SOLVE || op->kind == MPM_IMPLICIT ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt    reads  = solves ? 0 : c->depth[op->src] + traits.halo;
   const PetscBool   keeps  = op->accumulates || op->kind == MPM_WALL ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
@@ -370,7 +371,7 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, cons
                   .layout   = layout,
                   .courant  = courant,
                   .fused    = fused,
-                  .mass_due = PETSC_TRUE,
+                  .mass_due = MpmTableHas(t, MPM_P2G),
                   .schedule = &each[delayed]};
 
     for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) c.holds[n] = MPM_NONE;
@@ -413,7 +414,8 @@ static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt dim, Pet
     return basis->slope_sum;
   case MPM_LAP:
     return 4;
-  case MPM_SOLVE: /* with G2P after it, it is a projection; P W has rarely an eigenvalue below 1/100 */
+  case MPM_SOLVE:    /* with G2P after it, it is a projection; P W has rarely an eigenvalue below 1/100 */
+  case MPM_IMPLICIT: /* it is a contraction in the nodal masses, which rarely differ by more than 100 squared */
     return 100;
   default:
     return 1;

@@ -51,13 +51,13 @@ static PetscErrorCode Solve(const MpmMarch *march, const MpmNodeOp *op, PetscInt
 }
 
 PetscErrorCode MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscInt64 step, const MpmRowArrays *arrays,
-                              PetscReal *const field[])
+                              PetscReal *const field[], PetscInt *next)
 {
   const MpmGrid *grid = march->grid;
 
   PetscFunctionBegin;
-  for (PetscInt o = 0; o < pass->nnode_ops; o++) {
-    const MpmNodeOp *op = &pass->node_op[o];
+  for (; *next < pass->nnode_ops && pass->node_op[*next].kind != MPM_IMPLICIT; ++*next) {
+    const MpmNodeOp *op = &pass->node_op[*next];
 
     if (op->kind == MPM_WALL)
       SetWall(grid, op, field[op->src], field[op->dst]);

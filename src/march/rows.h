@@ -105,6 +105,9 @@ static inline PetscReal *MpmRowsField(const MpmRowArrays *arrays, PetscInt field
   return field < nstate ? arrays->particle[field] + begin : arrays->march->scratch + (field - nstate) * MPM_BLOCK;
 }
 
-/* Collective. The node operations after a pass, in more than one dimension. step is that of the particles' places. */
+/*
+   Collective. The node operations after a pass, in more than one dimension: from number *next on, which becomes that of the
+   first IMPLICIT there, or their number. step is that of the particles' places.
+*/
 PetscErrorCode MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscInt64 step, const MpmRowArrays *arrays,
-                              PetscReal *const field[]);
+                              PetscReal *const field[], PetscInt *next);

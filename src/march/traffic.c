@@ -96,7 +96,7 @@ PetscReal MpmScheduleBytes(const MpmTable *table, const MpmSchedule *schedule, P
 {
   PetscReal of_particle = 0, of_node = 0;
 
-  if (MpmTableHas(table, MPM_SOLVE) || MpmTableIsFinite(table)) return NAN;
+  if (MpmTableSolves(table) || MpmTableIsFinite(table)) return NAN;
   for (PetscInt p = 0, n; p < schedule->npasses; p += n) {
     n = Group(table, schedule, p, &of_particle, &of_node);
     if (!alike) of_particle += sizeof(PetscInt) + sizeof(PetscReal);

@@ -396,6 +396,8 @@ PetscErrorCode MpmNodalPlanCreate(const MpmTable *table, const char **why, MpmNo
   Builder b = {.table = table, .slot_room = table->nops + table->nnodes + 2 * MPM_MAX_IMAGES};
 
   PetscFunctionBegin;
+  if (MpmTableHas(table, MPM_IMPLICIT))
+    b.why_not = "a step solves a linear system of them, which is no sum of products";
   PetscCall(PetscNew(plan));
   b.plan = *plan;
   PetscCall(Build(&b));

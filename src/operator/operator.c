@@ -69,7 +69,7 @@ static PetscErrorCode CheckMatrix(MPI_Comm comm, const MpmOperator *op)
     if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES && (table->dim == 1 || !IsSum(table, o - 1)))
       cells += basis->reach_left + basis->reach_right;
     cells += traits.halo;
-    if (table->ops[o].kind == MPM_SOLVE) cells = INFINITY;
+    if (table->ops[o].kind == MPM_SOLVE || table->ops[o].kind == MPM_IMPLICIT) cells = INFINITY;
   }
   for (PetscInt a = 0; a < layout->dim; a++) nonzeros *= PetscMin(2 * cells * op->period + 1, layout->grid[a].cells);
   MpmCheckInput(nonzeros <= LARGEST,

@@ -15,6 +15,8 @@ PetscErrorCode MpmRegistersOf(const MpmSlab *slab, MpmRegisters *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode AppendOps(MpmStepProgram *p, MpmMaps *maps, const MpmTable *table);
+
 /* 0 on the nodes of a wall, 1 elsewhere. */
 static PetscErrorCode Elsewhere(const MpmSlab *slab, const MpmOp *op, Vec *vector)
 {
@@ -68,14 +70,74 @@ PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* 1 + a K, from the vector that is solved for to itself: K's lines, to which the vector is added. */
+static PetscErrorCode System(const MpmRegisters *all, PetscReal courant, MpmMaps *maps, const MpmOp *op, Mat *matrix)
+{
+  const MpmTable *k = MpmTableStiffness(maps->slab->scheme->table, op);
+  MpmRegisters    r = *all;
+  MpmStepProgram *program;
+
+  PetscFunctionBegin;
+  r.nin = r.nout = k->dim;
+  for (PetscInt c = 0; c < k->dim; c++) {
+    r.in[c]  = r.n[0] + k->solved + c;
+    r.out[c] = r.n[0] + k->image + c;
+  }
+  PetscCall(MpmStepProgramCreate(&r, courant, &program));
+  PetscCall(AppendOps(program, maps, k));
+  for (PetscInt c = 0; c < k->dim; c++) {
+    PetscCall(MpmStepProgramAppend(
+        program, (MpmLine){.dst = r.out[c], .src = r.out[c], .power = op->coefficient, .factor = op->factor}));
+    PetscCall(MpmStepProgramAppend(program,
+                                   (MpmLine){.dst = r.out[c], .src = r.in[c], .factor = 1, .accumulates = PETSC_TRUE}));
+  }
+  PetscCall(MpmStepProgramAssemble(program, PETSC_TRUE, matrix));
+  PetscCall(MpmStepProgramDestroy(&program));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The line of IMPLICIT solves by LU, which serves all right sides and the transpose. */
+static PetscErrorCode AppendSolve(MpmStepProgram *p, MpmMaps *maps, const MpmOp *op)
+{
+  MpmLine line = {
+      .dst = p->registers.n[0] + op->dst, .src = p->registers.n[0] + op->dst, .nsolve = maps->slab->layout->dim};
+  Mat matrix;
+  PC  pc;
+  int ranks;
+
+  PetscFunctionBegin;
+  PetscCall(System(&p->registers, p->courant, maps, op, &matrix));
+  PetscCall(KSPCreate(p->registers.comm, &line.solve));
+  PetscCall(KSPSetOperators(line.solve, matrix, matrix));
+  PetscCall(KSPSetType(line.solve, KSPPREONLY));
+  PetscCall(KSPGetPC(line.solve, &pc));
+  PetscCall(PCSetType(pc, PCLU));
+  PetscCallMPI(MPI_Comm_size(p->registers.comm, &ranks));
+  if (ranks > 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  PetscCall(KSPSetUp(line.solve));
+  PetscCall(MpmStepProgramAppend(p, line));
+  PetscCall(KSPDestroy(&line.solve));
+  PetscCall(MatDestroy(&matrix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmStepProgramAppendStep(MpmStepProgram *p, MpmMaps *maps, PetscBool again)
 {
   const MpmTable *table = maps->slab->scheme->table;
-  const PetscInt  nodes = p->registers.n[0];
 
   PetscFunctionBegin;
-  for (PetscInt r = table->nstate; r < nodes + table->nnodes && again; r++)
+  for (PetscInt r = table->nstate; r < p->registers.n[0] + table->nnodes && again; r++)
     PetscCall(MpmStepProgramAppend(p, (MpmLine){.dst = r, .src = r}));
+  PetscCall(AppendOps(p, maps, table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Appends the lines of the operations of a table, which has the registers of the scheme's. */
+static PetscErrorCode AppendOps(MpmStepProgram *p, MpmMaps *maps, const MpmTable *table)
+{
+  const PetscInt nodes = p->registers.n[0];
+
+  PetscFunctionBegin;
   for (PetscInt o = 0; o < table->nops; o++) {
     const MpmOp      *op     = &table->ops[o];
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -83,6 +145,10 @@ PetscErrorCode MpmStepProgramAppendStep(MpmStepProgram *p, MpmMaps *maps, PetscB
     PetscInt          n;
 
     if (traits.dst == MPM_NOWHERE) continue;
+    if (op->kind == MPM_IMPLICIT) {
+      if (op->axis == 0) PetscCall(AppendSolve(p, maps, op));
+      continue;
+    }
     PetscCall(MpmLinesOfOp(maps->slab, op, nodes, line, &n));
     for (PetscInt i = 0; i < n; i++) {
       PetscCall(MpmStepProgramAppend(p, line[i]));

@@ -84,7 +84,50 @@ static PetscErrorCode Add(void *registers, const MpmLine *line, PetscBool back)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const MpmAlgebra matrix_algebra = {.zero = Zero, .scale = Scale, .add = Add};
+/*
+   Of the columns of the right side all at once, which fills them: every node feels every other one.
+*/
+static PetscErrorCode Solve(void *registers, const MpmLine *line, PetscBool back)
+{
+  const MpmMatrices *m = registers;
+  const PetscInt     n = line->nsolve, nodes = m->registers.rows[1];
+  const Mat         *part  = &m->reg[line->dst];
+  Mat                right = NULL, dense, solution;
+  PetscReal         *x;
+  PetscInt           lda, begin;
+
+  PetscFunctionBegin;
+  PetscCheck(!back && !m->times_courant, m->registers.comm, PETSC_ERR_SUP,
+             "a solve has no powers of the Courant number");
+  PetscCall(MpmInterleave(m->registers.comm, n, part, nodes, m->columns, PETSC_FALSE, &right));
+  PetscCall(MatConvert(right, MATDENSE, MAT_INITIAL_MATRIX, &dense));
+  PetscCall(MatDestroy(&right));
+  PetscCall(MatDuplicate(dense, MAT_DO_NOT_COPY_VALUES, &solution));
+  PetscCall(KSPMatSolve(line->solve, dense, solution));
+  PetscCall(MatDestroy(&dense));
+  PetscCall(MatDenseGetArray(solution, &x));
+  PetscCall(MatDenseGetLDA(solution, &lda));
+  for (PetscInt c = 0; c < n; c++) {
+    Mat     *reg = &m->reg[line->dst + c];
+    PetscInt all;
+
+    PetscCall(MatDestroy(reg));
+    PetscCall(MatGetSize(solution, NULL, &all));
+    PetscCall(MatCreateAIJ(m->registers.comm, nodes, m->columns, PETSC_DETERMINE, all, m->columns, NULL,
+                           all - m->columns, NULL, reg));
+    PetscCall(MatGetOwnershipRange(*reg, &begin, NULL));
+    for (PetscInt i = 0; i < nodes; i++)
+      for (PetscInt j = 0; j < all; j++)
+        PetscCall(MatSetValue(*reg, begin + i, j, x[j * lda + n * i + c], INSERT_VALUES));
+    PetscCall(MatAssemblyBegin(*reg, MAT_FINAL_ASSEMBLY));
+    PetscCall(MatAssemblyEnd(*reg, MAT_FINAL_ASSEMBLY));
+  }
+  PetscCall(MatDenseRestoreArray(solution, &x));
+  PetscCall(MatDestroy(&solution));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const MpmAlgebra matrix_algebra = {.zero = Zero, .scale = Scale, .add = Add, .solve = Solve};
 
 /* ---- a program's matrix ---- */
 

@@ -21,6 +21,7 @@ PetscErrorCode MpmStepProgramDestroy(MpmStepProgram **program)
     PetscCall(MatDestroy(&p->line[l].map));
     PetscCall(VecDestroy(&p->line[l].left));
     PetscCall(VecDestroy(&p->line[l].right));
+    PetscCall(KSPDestroy(&p->line[l].solve));
   }
   PetscCall(PetscFree(p->line));
   PetscCall(PetscFree(p));
@@ -37,6 +38,7 @@ PetscErrorCode MpmStepProgramAppend(MpmStepProgram *p, MpmLine line)
   if (line.map) PetscCall(PetscObjectReference((PetscObject)line.map));
   if (line.left) PetscCall(PetscObjectReference((PetscObject)line.left));
   if (line.right) PetscCall(PetscObjectReference((PetscObject)line.right));
+  if (line.solve) PetscCall(PetscObjectReference((PetscObject)line.solve));
   p->line[p->n++] = line;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -51,7 +53,9 @@ PetscReal MpmLineValue(const MpmLine *line, PetscReal courant)
 PetscErrorCode MpmLineRun(const MpmLine *line, const MpmAlgebra *algebra, void *registers, PetscBool back)
 {
   PetscFunctionBegin;
-  if (line->accumulates)
+  if (line->solve)
+    PetscCall(algebra->solve(registers, line, back));
+  else if (line->accumulates)
     PetscCall(algebra->add(registers, line, back));
   else if (!line->map && line->dst == line->src)
     PetscCall(algebra->scale(registers, line));

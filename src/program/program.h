@@ -15,6 +15,7 @@
 #pragma once
 #include "base/float_check.h"
 #include "program/maps.h"
+#include <petscksp.h>
 
 #define MPM_MAX_STATE (MPM_MAX_FIELDS + MPM_MAX_DIM)
 
@@ -41,6 +42,8 @@ static inline PetscInt MpmRegisterPlace(const MpmRegisters *r, PetscInt reg)
 
    map         - NULL: the identity
    key         - in a program without matrices, the number of the line's map, or MPM_NONE: the identity
+   solve       - NULL, or register dst and the nsolve - 1 after it, node by node, become the solution of a system with these as its
+                 right side. The line has no map then.
    transposed  - the line's map is the transpose of map
    left, right - NULL: ones
 S*/
@@ -50,6 +53,8 @@ typedef struct {
   PetscBool accumulates, transposed;
   Mat       map;
   Vec       left, right;
+  KSP       solve;
+  PetscInt  nsolve;
 } MpmLine;
 
 /*S
@@ -58,11 +63,13 @@ typedef struct {
    zero  - register dst = 0
    scale - register dst = f k^power left * register dst, of a line without a map from a register to itself
    add   - the line, as one that accumulates; back: its transpose
+   solve - a line that solves; back: the system's transpose
 S*/
 typedef struct {
   PetscErrorCode (*zero)(void *registers, PetscInt dst);
   PetscErrorCode (*scale)(void *registers, const MpmLine *line);
   PetscErrorCode (*add)(void *registers, const MpmLine *line, PetscBool back);
+  PetscErrorCode (*solve)(void *registers, const MpmLine *line, PetscBool back);
 } MpmAlgebra;
 
 /*S

@@ -99,15 +99,6 @@ static PetscErrorCode Add(void *registers, const MpmLine *line, PetscBool back)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmAlgebra MpmVectorAlgebra = {.zero = Zero, .scale = Scale, .add = Add};
-
-/* ---- the matrix ---- */
-
-typedef struct {
-  MpmStepProgram *program;
-  MpmVectors     *vectors;
-} Context;
-
 /* Copies the numbers of one vector to registers or, with back, the registers to the vector. */
 static PetscErrorCode Copy(MpmVectors *v, PetscInt n, const PetscInt reg[], PetscBool back, Vec together)
 {
@@ -131,6 +122,34 @@ static PetscErrorCode Copy(MpmVectors *v, PetscInt n, const PetscInt reg[], Pets
   PetscCall(VecRestoreArray(together, &x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+static PetscErrorCode Solve(void *registers, const MpmLine *line, PetscBool back)
+{
+  MpmVectors *v = registers;
+  PetscInt    reg[MPM_MAX_DIM];
+  Vec         together, solution;
+  Mat         matrix;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < line->nsolve; c++) reg[c] = line->dst + c;
+  PetscCall(KSPGetOperators(line->solve, &matrix, NULL));
+  PetscCall(MatCreateVecs(matrix, &together, &solution));
+  PetscCall(Copy(v, line->nsolve, reg, PETSC_TRUE, together));
+  PetscCall(back ? KSPSolveTranspose(line->solve, together, solution) : KSPSolve(line->solve, together, solution));
+  PetscCall(Copy(v, line->nsolve, reg, PETSC_FALSE, solution));
+  PetscCall(VecDestroy(&together));
+  PetscCall(VecDestroy(&solution));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MpmAlgebra MpmVectorAlgebra = {.zero = Zero, .scale = Scale, .add = Add, .solve = Solve};
+
+/* ---- the matrix ---- */
+
+typedef struct {
+  MpmStepProgram *program;
+  MpmVectors     *vectors;
+} Context;
 
 static PetscErrorCode Play(Mat matrix, PetscBool back, Vec x, Vec y)
 {

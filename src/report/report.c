@@ -127,6 +127,12 @@ static void PrintConserved(const MpmRun *run)
   MpmPrint("\n");
 }
 
+static void PrintSolver(const MpmRun *run)
+{
+  if (!run->scene->scheme.table->nstiff || run->steps == run->from) return;
+  MpmPrint("solver: %.3g iterations a step\n", (PetscReal)run->iterations / (PetscReal)(run->steps - run->from));
+}
+
 static void PrintLoad(const MpmRun *run)
 {
   if (run->load <= MPM_BALANCE_BOUND) return;
@@ -187,11 +193,13 @@ static void PrintVerdict(const MpmRun *run)
   else
     MpmPrint(", the state stays bounded%s\n",
              run->has_errors ? " (from smooth data; random data excite every mode)" : "");
-  if (run->steps > run->from)
-    MpmPrint("time: %.3g s in the loop, %.3g ns per particle and step, %.3g s in all\n", run->loop_s,
+  if (run->steps > run->from) {
+    MpmPrint("time: %.3g s in the loop", run->loop_s);
+    if (run->scene->scheme.table->nstiff) MpmPrint(" (%.3g s in the solver)", run->solve_s);
+    MpmPrint(", %.3g ns per particle and step, %.3g s in all\n",
              1e9 * run->loop_s / ((PetscReal)(run->steps - run->from) * (PetscReal)run->scene->layout.particles),
              run->wall_s);
-  else
+  } else
     MpmPrint("time: %.3g s in all\n", run->wall_s);
 }
 
@@ -203,6 +211,7 @@ PetscErrorCode MpmRunPrint(const MpmRun *run)
   PrintErrors(run);
   PrintConserved(run);
   PrintLoad(run);
+  PrintSolver(run);
   PrintTransfer(run);
   MpmTangentsPrint(run->tangents);
   PrintVerdict(run);

@@ -77,7 +77,11 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", tolerance, c->stable_at,
              c->unstable_at);
   PetscCall(PrintDrift(s, c));
-  if (c->quiet > 0)
+  if (isinf(c->quiet))
+    MpmPrint("  no limit     and it cannot ring: theorem, no step raises the energy of the particles (docs/theory.md, "
+             "section "
+             "12)\n");
+  else if (c->quiet > 0)
     MpmPrint("  cannot ring  up to %.10g: theorem, no step raises the energy of the particles (docs/theory.md, section "
              "12)\n",
              c->quiet);
@@ -269,7 +273,10 @@ static void SetBulk(json_t *critical, PetscInt dim, const MpmCritical *c)
   MpmJsonSet(critical, "fading", c->fading);
   MpmJsonSetWindows(critical, &c->windows);
   if (c->bound > 0) MpmJsonSet(critical, "bound", c->bound);
-  if (c->quiet > 0) MpmJsonSet(critical, "quiet", c->quiet);
+  if (isinf(c->quiet))
+    json_object_set_new(critical, "quiet", json_string("no limit"));
+  else if (c->quiet > 0)
+    MpmJsonSet(critical, "quiet", c->quiet);
   if (c->cure) {
     MpmJsonSetText(critical, "cure", c->cure->name);
     MpmJsonSet(critical, "cure_quiet", c->cured);

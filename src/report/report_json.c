@@ -98,6 +98,10 @@ static json_t *Run(const MpmRun *run)
   if (work > 0) MpmJsonSet(object, "ns_per_particle_step", 1e9 * run->loop_s / work);
   MpmJsonSet(object, "bytes_per_particle_step", run->bytes);
   MpmJsonSet(object, "load", run->load);
+  if (run->scene->scheme.table->nstiff && run->steps > run->from) {
+    MpmJsonSet(object, "iterations_per_step", (PetscReal)run->iterations / (PetscReal)(run->steps - run->from));
+    MpmJsonSet(object, "solver_s", run->solve_s);
+  }
   if (run->has_errors) json_object_set_new(object, "error", Errors(run));
   if (run->growth.measured) {
     MpmJsonSet(object, "growth_measured", run->growth.per_step);

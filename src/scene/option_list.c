@@ -70,6 +70,7 @@ WHEN(HasOrder, TransferReads(s, "xpic_order"))
 WHEN(HasRatio, TransferReads(s, "blend_ratio"))
 WHEN(HasAffineRatio, TransferReads(s, "aflip_ratio"))
 WHEN(HasShare, MpmFormulationReads(s->scheme.formulation, "share"))
+WHEN(HasTheta, MpmFormulationReads(s->scheme.formulation, "theta"))
 WHEN(HasRk, MpmFormulationReads(s->scheme.formulation, "rk"))
 WHEN(HasFilterTime, MpmSceneChoosesFilter(s))
 WHEN(HasSplineEnds, MpmBasisIsAltered(s->scheme.basis))
@@ -153,6 +154,8 @@ const MpmField MpmOptions[] = {
    .word = MpmRkWord, TEXT(RkOf), IN(90, 71, 65, 50), SHOWN(HasRk)},
   {"rk_on", MPM_WORD, "auto", "formulation rk: stages are on particles (a whole P2G and G2P each, transfer flip) or on nodes; auto: on particles with flip, else on nodes",
    WORDS(MpmRkOnNames), TEXT(RkOnOf), IN(91, 72, 66, 51), SHOWN(HasRk)},
+  {"theta", MPM_FRACTION, "1/2", "formulation implicit: the weight of the new velocity; 1/2 is the midpoint rule, 1 is backward Euler",
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.theta), IN(92, 73, 67, 52), SHOWN(HasTheta)},
   {"dim", MPM_INTEGER, "1", "space dimensions",
    BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), SHOWN(HasDim)},
   {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",

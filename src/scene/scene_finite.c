@@ -51,6 +51,11 @@ static PetscBool LeavesStress(const MpmFormulation *f)
   return PETSC_TRUE;
 }
 
+static PetscBool IsExplicit(const MpmFormulation *f)
+{
+  return HasMove(f) && !MpmFormulationHas(f, MPM_IMPLICIT) ? PETSC_TRUE : PETSC_FALSE;
+}
+
 PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene)
 {
   PetscInt word;
@@ -65,6 +70,7 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
   }
   PetscCall(MpmSettingsRequire(settings, scene, "kinematics", HasMove,
                                "stress with a velocity that particles could move with"));
+  PetscCall(MpmSettingsRequire(settings, scene, "kinematics", IsExplicit, "step without a linear system of the nodes"));
   PetscCall(MpmSettingsRequire(settings, scene, "kinematics", LeavesStress,
                                "stress that it takes to vectors by DIV and from vectors by GRAD alone"));
   for (PetscInt a = 0; a < scene->layout.dim; a++)

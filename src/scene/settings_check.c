@@ -12,10 +12,10 @@
    Whether an option is one of PETSc's or SLEPc's. These libraries read their options while the task runs, so beforehand
    only the families are known, and which tasks call SLEPc.
 */
-static const char *const any[]   = {"log_",          "malloc",  "objects_",    "options_", "on_error_", "info",
-                                    "dm_",           "da_",     "vec_",        "mat_",     "sf_",       "viewer_",
-                                    "mpi_",          "memory_", "fp_trap",     "debugger", "start_in",  "saws",
-                                    "check_pointer", "nodal_",  "skip_petscrc"};
+static const char *const any[]   = {"log_",          "malloc",  "objects_",  "options_",    "on_error_", "info",
+                                    "dm_",           "da_",     "vec_",      "mat_",        "sf_",       "viewer_",
+                                    "mpi_",          "memory_", "fp_trap",   "debugger",    "start_in",  "saws",
+                                    "check_pointer", "nodal_",  "implicit_", "skip_petscrc"};
 static const char *const slepc[] = {"eps_", "st_", "bv_", "ds_", "svd_"}, *const eigen[] = {"spectrum", "critical"};
 
 /* Whether a name begins with one of n others. */

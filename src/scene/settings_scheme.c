@@ -53,6 +53,7 @@ PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, PetscB
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsReal(settings, "share", &numbers->share));
+  PetscCall(MpmSettingsReal(settings, "theta", &numbers->theta));
   PetscCall(MpmSettingsWord(settings, "rk", &numbers->rk));
   PetscCall(MpmSettingsWord(settings, "rk_on", &on));
   numbers->rk_on = (MpmRkOn)on;

@@ -7,7 +7,7 @@ const char *const MpmTangentNames[] = {"none", "random", "mode", NULL};
 static const char *WhyNot(const MpmScene *scene)
 {
   if (!scene->scheme.space.finite) return "the step is linear, and is its own tangent; allowed: with kinematics finite";
-  if (MpmTableHas(scene->scheme.table, MPM_SOLVE))
+  if (MpmTableSolves(scene->scheme.table))
     return "transfer nullspace has a pseudoinverse, whose derivative is not known here; allowed: another transfer";
   if (MpmBasisIsAltered(scene->scheme.basis))
     return "with spline_ends modified or open the derivatives of its weights are not known here; allowed: spline_ends "

@@ -431,6 +431,30 @@ static PetscErrorCode Move(MpmCompiler *c, const MpmLine *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The solution has the values of what it is solved from at walls that IMPOSE has set to 0. */
+static PetscErrorCode Implicit(MpmCompiler *c, const MpmLine *line)
+{
+  const char *node     = c->f->node_fields[line->field];
+  PetscBool   stressed = PETSC_FALSE;
+  PetscInt    power    = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt p = 0; p < c->written->nparticles; p++)
+    if (c->f->particle_ranks[p] == MPM_TENSOR) stressed = PETSC_TRUE;
+  if (!c->written_to[line->field]) Refuse(c, "%s is solved for before the step has set it", node);
+  if (!stressed || c->f->node_ranks[line->field] != MPM_VECTOR)
+    Refuse(c, "%s is a %s; allowed: a vector, in a scheme with a stress", node,
+           rank_names[c->f->node_ranks[line->field]]);
+  (void)MpmPowersIsOne(&line->term[0].factor, &power);
+  c->node_read[line->field] = PETSC_TRUE;
+  PetscCall(Emit(c, (MpmOp){.kind        = MPM_IMPLICIT,
+                            .dst         = line->field,
+                            .src         = line->field,
+                            .coefficient = power,
+                            .factor      = line->term[0].factor.of[power]}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmCompileLine(MpmCompiler *c, MpmLine *line)
 {
   PetscFunctionBegin;
@@ -448,6 +472,8 @@ PetscErrorCode MpmCompileLine(MpmCompiler *c, MpmLine *line)
     PetscCall(React(c, line));
   else if (line->kind == MPM_LINE_MOVE)
     PetscCall(Move(c, line));
+  else if (line->kind == MPM_LINE_IMPLICIT)
+    PetscCall(Implicit(c, line));
   else {
     c->drifts = PETSC_TRUE;
     PetscCall(Emit(c, (MpmOp)DRIFT));

@@ -52,6 +52,7 @@ static const struct {
                   {"FILTER_AFTER", MPM_LINE_FILTER, MPM_FILTER_AFTER},
                   {"MOVE", MPM_LINE_MOVE, MPM_MOVE},
                   {"MOVE_PROJECTED", MPM_LINE_MOVE, MPM_MOVE_PROJECTED},
+                  {"IMPLICIT", MPM_LINE_IMPLICIT, MPM_IMPLICIT},
                   {"DRIFT", MPM_LINE_DRIFT, MPM_DRIFT}};
 
 PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText *where, const char format[], ...)
@@ -490,9 +491,26 @@ static PetscErrorCode ReadField(Reader *r, MpmPlace wanted, PetscInt *field)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The a of IMPLICIT, a number times a power of k that is not negative. */
+static PetscErrorCode ReadImplicit(Reader *r, MpmLine *line)
+{
+  Value    sum;
+  PetscInt power = 0;
+
+  PetscFunctionBegin;
+  PetscCall(ReadField(r, MPM_ON_NODES, &line->field));
+  PetscCall(ReadSum(r, &sum));
+  if (sum.n || !MpmPowersIsOne(&sum.number, &power) || sum.number.of[power] < 0)
+    MpmRefuseLine(r->written, r->text,
+                  "allowed: IMPLICIT field a, a number that is not negative times a power of k, as 0.25 k^2");
+  line->term[0].factor = sum.number;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadStatement(Reader *r, MpmLineKindOf kind, MpmLine *line)
 {
-  const PetscBool bracket = kind != MPM_LINE_DRIFT && Takes(r, '(') ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool bracket =
+      kind != MPM_LINE_DRIFT && kind != MPM_LINE_IMPLICIT && Takes(r, '(') ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   line->kind = kind;
@@ -500,6 +518,7 @@ static PetscErrorCode ReadStatement(Reader *r, MpmLineKindOf kind, MpmLine *line
   if (kind == MPM_LINE_IMPOSE || kind == MPM_LINE_REACT || kind == MPM_LINE_MOVE)
     PetscCall(ReadField(r, MPM_ON_NODES, &line->field));
   if (kind == MPM_LINE_FILTER || kind == MPM_LINE_REACT) PetscCall(ReadField(r, MPM_ON_NODES, &line->other));
+  if (kind == MPM_LINE_IMPLICIT) PetscCall(ReadImplicit(r, line));
   if (bracket && !Takes(r, ')')) MpmRefuseLine(r->written, r->text, "a bracket is not closed");
   PetscCall(ReadEnd(r));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -516,7 +535,7 @@ static PetscErrorCode ReadSign(Reader *r, MpmLine *line, PetscReal *sign)
   if (line->adds) r->at++;
   if (!Takes(r, '='))
     MpmRefuseLine(r->written, r->text,
-                  "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER, MOVE or DRIFT");
+                  "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER, MOVE, IMPLICIT or DRIFT");
   if (*r->at == '+') MpmRefuseLine(r->written, r->text, "'=+' is not allowed; did you mean +=?");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -30,6 +30,7 @@ typedef struct {
    MPM_LINE_SET   - field = terms; with adds field += terms, where 'field -= terms' has become a sum
    MPM_LINE_IMPOSE, MPM_LINE_REACT, MPM_LINE_FILTER, MPM_LINE_MOVE - with their fields; of a FILTER field is that of
                     particles. op says which of the filters, or of MOVE and MOVE_PROJECTED, it is.
+   MPM_LINE_IMPLICIT - with its field, and its number as the factor of a term
 */
 typedef enum {
   MPM_LINE_SET,
@@ -37,6 +38,7 @@ typedef enum {
   MPM_LINE_REACT,
   MPM_LINE_FILTER,
   MPM_LINE_MOVE,
+  MPM_LINE_IMPLICIT,
   MPM_LINE_DRIFT
 } MpmLineKindOf;
 

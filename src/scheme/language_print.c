@@ -86,7 +86,12 @@ PetscErrorCode MpmWrittenLineText(const MpmFormulation *f, const MpmOp *op, size
                             op->kind == MPM_FILTER ? "FILTER"
                                                    : (op->kind == MPM_FILTER_BEFORE ? "FILTER_BEFORE" : "FILTER_AFTER"),
                             f->particle_fields[op->dst], f->node_fields[op->src]));
-  else {
+  else if (op->kind == MPM_IMPLICIT) {
+    PetscCall(FactorText(op, sizeof factor, factor));
+    PetscCall(PetscSNPrintf(text, room, "IMPLICIT %s %s%s", f->node_fields[op->dst],
+                            op->factor == 1 && !op->coefficient ? "1" : "", factor));
+    for (size_t n = strlen(text); text[n - 1] == ' '; n--) text[n - 1] = 0;
+  } else {
     PetscCall(FactorText(op, sizeof factor, factor));
     PetscCall(PetscSNPrintf(text, room, "%s %s %s%s%s", to[op->dst], op->accumulates ? "+=" : "=", factor, Word(f, op),
                             from[op->src]));

@@ -245,6 +245,117 @@ static PetscErrorCode Lap(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- IMPLICIT ---- */
+
+/* The first stress of a formulation, or MPM_NONE. */
+static PetscInt StressOf(const MpmFormulation *f)
+{
+  for (PetscInt field = 0; f->particle_fields[field]; field++)
+    if (f->particle_ranks[field] == MPM_TENSOR) return field;
+  return MPM_NONE;
+}
+
+/* Sets components of a vector to 0 at all ends that fix them. */
+static PetscErrorCode Fix(MpmTableBuilder *b, PetscInt first, PetscInt n)
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < n; c++) {
+    PetscCall(MpmTableImpose(b->table, first + c));
+    PetscCall(MpmBuilderImposeWithReaction(b, first + c, PETSC_FALSE));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The lines of K = DIV STRESS GRAD of a node field: those of a builder whose stress is scratch, and whose force is image. */
+static PetscErrorCode StiffnessLines(MpmTableBuilder b, PetscInt field, PetscInt stress, PetscInt image)
+{
+  const MpmTransfer plain = {.name = b.transfer->name}; /* K is that of the grid, which no transfer has sharpened */
+  MpmSpace          space = *b.space;
+  const PetscInt    n     = MpmBuilderComponents(&b, PETSC_FALSE, stress);
+  PetscInt          scratch;
+
+  PetscFunctionBegin;
+  space.displaced = PETSC_FALSE;
+  b.space         = &space;
+  b.transfer      = &plain;
+  for (PetscInt c = 0; c < n; c++) {
+    PetscCall(MpmTableScratch(b.table, &scratch));
+    if (c == 0) b.particle[stress] = scratch;
+    PetscCall(MpmTableAppendOwn(b.table, (MpmOp)SCALE(scratch, 0)));
+  }
+  PetscCall(Grad(&b, &(MpmOp)GRAD(stress, field, ONE)));
+  b.node[field] = image;
+  PetscCall(Div(&b, &(MpmOp){.kind = MPM_DIV, .dst = field, .src = stress, .factor = 1}));
+  PetscCall(Fix(&b, image, space.dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the table of K of a node field. Its registers are those of the table when that is complete (MpmTableCreate). */
+static PetscErrorCode AddStiffness(MpmTableBuilder *b, PetscInt field, PetscInt stress)
+{
+  MpmTable      *t    = b->table, *k;
+  const MpmTable kept = *t;
+  PetscInt       image, node;
+
+  PetscFunctionBegin;
+  MpmCheckInput(t->nstiff < MPM_MAX_STIFF, "%s: more than %d fields are IMPLICIT; allowed: fewer", t->where,
+                MPM_MAX_STIFF);
+  PetscCall(MpmTableNode(t, b->node[field], &image));
+  for (PetscInt c = 1; c < t->dim; c++) PetscCall(MpmTableNode(t, b->node[field] + c, &node));
+  PetscCall(PetscNew(&k));
+  t->ops  = NULL;
+  t->nops = t->room = 0;
+  PetscCall(StiffnessLines(*b, field, stress, image));
+  *k                    = (MpmTable){.nops = t->nops, .ops = t->ops, .solved = b->node[field], .image = image};
+  t->ops                = kept.ops;
+  t->nops               = kept.nops;
+  t->room               = kept.room;
+  t->stiff[t->nstiff++] = k;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The tables of K share the registers of the table, and all that it says of them. */
+static void CompleteStiffness(MpmTable *t)
+{
+  for (PetscInt i = 0; i < t->nstiff; i++) {
+    const MpmTable own = *t->stiff[i];
+
+    *t->stiff[i]        = *t;
+    t->stiff[i]->nops   = own.nops;
+    t->stiff[i]->ops    = own.ops;
+    t->stiff[i]->solved = own.solved;
+    t->stiff[i]->image  = own.image;
+    t->stiff[i]->nstiff = 0;
+  }
+}
+
+const MpmTable *MpmTableStiffness(const MpmTable *t, const MpmOp *implicit)
+{
+  PetscInt i = 0;
+
+  while (i < t->nstiff - 1 && implicit->dst - implicit->axis != t->stiff[i]->solved) i++;
+  return t->stiff[i];
+}
+
+static PetscErrorCode Implicit(MpmTableBuilder *b, const MpmOp *op)
+{
+  const PetscInt stress = StressOf(b->formulation);
+  MpmTable      *t      = b->table;
+  MpmOp          one    = *op;
+
+  PetscFunctionBegin;
+  PetscCheck(stress != MPM_NONE && b->formulation->node_ranks[op->dst] == MPM_VECTOR && op->dst == op->src,
+             PETSC_COMM_SELF, PETSC_ERR_SUP, "the table: IMPLICIT is of a vector, in a formulation with a stress");
+  if (!t->nstiff || MpmTableStiffness(t, &(MpmOp){.dst = b->node[op->dst]})->solved != b->node[op->dst])
+    PetscCall(AddStiffness(b, op->dst, stress));
+  PetscCall(Fix(b, b->node[op->dst], t->dim));
+  for (one.axis = 0; one.axis < t->dim; one.axis++) {
+    one.dst = one.src = b->node[op->dst] + one.axis;
+    PetscCall(MpmTableAppendOwn(t, one));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscBool HasField(const MpmTableBuilder *b, MpmPlace place, PetscInt field)
 {
   const char *const *names = place == MPM_ON_NODES ? b->formulation->node_fields : b->formulation->particle_fields;
@@ -271,6 +382,8 @@ static PetscErrorCode Expand(MpmTableBuilder *b, const MpmOp *op)
     PetscCall(Grad(b, op));
   else if (op->kind == MPM_LAP)
     PetscCall(Lap(b, op));
+  else if (op->kind == MPM_IMPLICIT)
+    PetscCall(Implicit(b, op));
   else
     PetscCall(Each(b, op));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -455,6 +568,7 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   PetscCall(MpmBuilderAddRegisters(&b));
   if (space->finite) PetscCall(MpmFinitePlan(&b));
   PetscCall(Translate(&b));
+  CompleteStiffness(t);
   PetscCall(CheckRuns(t));
   PetscCall(MpmTableCheck(t));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -463,6 +577,7 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
 PetscErrorCode MpmTableDestroy(MpmTable **table)
 {
   PetscFunctionBegin;
+  for (PetscInt i = 0; *table && i < (*table)->nstiff; i++) PetscCall(MpmTableDestroy(&(*table)->stiff[i]));
   if (*table) PetscCall(PetscFree((*table)->ops));
   PetscCall(PetscFree(*table));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -501,4 +616,9 @@ PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind)
   for (PetscInt o = 0; o < table->nops; o++)
     if (table->ops[o].kind == kind) return PETSC_TRUE;
   return PETSC_FALSE;
+}
+
+PetscBool MpmTableSolves(const MpmTable *table)
+{
+  return MpmTableHas(table, MPM_SOLVE) || MpmTableHas(table, MPM_IMPLICIT) ? PETSC_TRUE : PETSC_FALSE;
 }

@@ -155,6 +155,10 @@ void MpmBlochApply(MpmBloch *b, PetscInt o, const PetscReal beta[])
   Factor            f;
 
   if (traits.dst == MPM_NOWHERE) return;
+  if (op->kind == MPM_IMPLICIT) {
+    if (op->axis == 0) MpmBlochImplicit(b, op, a);
+    return;
+  }
   if (op->kind == MPM_SCALE || (op->kind == MPM_ADD && op->dst == op->src)) {
     for (PetscInt i = 0; i < BLOCK; i++) share[i] = op->kind == MPM_ADD ? 1 + a[i] : a[i];
     ScaleRows(ppc * n, share, MpmBlochRows(b, op->dst));

@@ -140,6 +140,8 @@ static inline PetscReal *MpmBlochRow(const MpmBloch *b, PetscInt field)
 
    MpmBlochApply - applies operation o of the table in that step.
 
+   MpmBlochImplicit - applies IMPLICIT, with a number for each lane (bloch_implicit.c)
+
    MpmBlochNote - adds to the rows of what nodes give in a step, 2 x width numbers each, what operation o is the first to
    read. MpmBlochApply comes after it.
 
@@ -152,5 +154,6 @@ PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[],
                              PetscInt columns);
 void           MpmBlochSetStep(MpmBloch *b, PetscInt step);
 void           MpmBlochApply(MpmBloch *b, PetscInt o, const PetscReal beta[]);
+void           MpmBlochImplicit(MpmBloch *b, const MpmOp *op, const PetscReal a[]);
 void           MpmBlochNote(const MpmBloch *b, const MpmTaken *taken, PetscInt o, PetscReal numbers[]);
 double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j);

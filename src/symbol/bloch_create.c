@@ -10,10 +10,8 @@
    Finds the kinds whose weights the maps of a scheme have along some direction. Every table has a P2G, whose weights give
    the masses. SOLVE needs G2P too.
 */
-static void FindUsed(const MpmScheme *scheme, PetscBool used[])
+static void FindUsed(const MpmTable *t, PetscBool used[])
 {
-  const MpmTable *t = scheme->table;
-
   for (PetscInt o = 0; o < t->nops; o++) {
     const MpmOp      *op     = &t->ops[o];
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -96,7 +94,8 @@ PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, 
                          b->most > 1 ? b->most * b->turn_size * b->turn_size : 0, &b->turns));
   PetscCall(PetscMalloc2(table->nops, &b->traits, table->nops * MPM_BLOCH_LANES, &b->values));
   for (PetscInt o = 0; o < table->nops; o++) b->traits[o] = MpmOpTraitsOf(table->ops[o].kind);
-  FindUsed(scheme, b->used);
+  FindUsed(scheme->table, b->used);
+  for (PetscInt i = 0; i < table->nstiff; i++) FindUsed(table->stiff[i], b->used);
   for (PetscInt a = 0; a < layout->dim; a++) {
     PetscCall(MpmTiesCreate(layout, scheme, a, &drift[a], b->used, &b->ties[a]));
     PetscCall(PetscMalloc1(b->ties[a].period * MPM_OP_KINDS * layout->ppc[a], &b->tie[a]));

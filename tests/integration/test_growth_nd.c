@@ -47,7 +47,7 @@ static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
   PetscCheck(argc > 1, PETSC_COMM_WORLD, PETSC_ERR_USER, "growth_nd FILE");
-  PetscCall(OracleGrowthNd(argv[1], 159, CheckRow));
+  PetscCall(OracleGrowthNd(argv[1], 183, CheckRow));
   CHECK(tried >= 21 && unmeasured <= 3, "%d of %d rows measured, %d not", (int)rows, (int)tried, (int)unmeasured);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -383,7 +383,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &ranks));
   if (ranks > 1) largest_order = 100;
   if (argc > 2) largest_order = atoi(argv[2]);
-  PetscCall(OracleGrowthNd(argv[1], 159, CheckGrowth));
+  PetscCall(OracleGrowthNd(argv[1], 183, CheckGrowth));
   PetscCall(CheckImages());
   PetscCall(CheckWaves());
   PetscCall(CheckSymmetries());

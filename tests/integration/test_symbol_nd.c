@@ -431,7 +431,7 @@ static PetscErrorCode Test(int argc, char **argv)
 
   PetscFunctionBegin;
   (void)argc;
-  PetscCall(OracleGrowthNd(argv[1], 159, CheckSymbolRow));
+  PetscCall(OracleGrowthNd(argv[1], 183, CheckSymbolRow));
   PetscCall(
       CheckSymbolRow("gas with particles that nodes do not see", "-dim 2 -formulation gas2 -courant 0.9 -cells 8", 1));
   for (int n = 0; n < 100; n++) PetscCall(CheckNodal(n, &checked));

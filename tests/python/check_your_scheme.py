@@ -49,30 +49,30 @@ def check_page():
 
 
 def check_records():
-    run("map", "-scheme", AHEAD, "-map_axes", "theta,courant", "-map_theta", "-1,0", "-map_courant", "1/10,1",
+    run("map", "-scheme", AHEAD, "-map_axes", "mix,courant", "-map_mix", "-1,0", "-map_courant", "1/10,1",
         "-map_points", "3,4", "-output", "map.h5", "-json", "map.json", "-csv", "map.csv", ranks=2)
-    run("run", "-scheme", AHEAD, "-theta", "-0.25", "-steps", "3", "-json", "run.json")
+    run("run", "-scheme", AHEAD, "-mix", "-0.25", "-steps", "3", "-json", "run.json")
     result = json.loads(pathlib.Path("run.json").read_text(encoding="utf-8"))
     check(re.fullmatch("[0-9a-f]{16}", result["scheme"]["hash"]), f"JSON has the hash {result['scheme']}")
-    check(result["formulation"] == "musl-ahead" and result["scheme"]["parameters"] == "theta=-0.25",
+    check(result["formulation"] == "musl-ahead" and result["scheme"]["parameters"] == "mix=-0.25",
           f"JSON says {result['scheme']}")
     with h5py.File("map.h5") as file:
         attributes = picture_scenes.attributes(file)
-        check(list(file["map/theta"][()]) == [-1, -0.5, 0], "the axis of theta")
+        check(list(file["map/mix"][()]) == [-1, -0.5, 0], "the axis of mix")
     check(attributes["scheme"] == result["scheme"]["hash"], "HDF5 and JSON have different hashes")
-    check(attributes["parameters"] == "theta=-0.5", f"HDF5 says {attributes['parameters']}")
-    said = f"musl-ahead [{result['scheme']['hash'][:8]}, theta = -0.25]"
+    check(attributes["parameters"] == "mix=-0.5", f"HDF5 says {attributes['parameters']}")
+    said = f"musl-ahead [{result['scheme']['hash'][:8]}, mix = -0.25]"
     check(said in picture_scenes.scene_text(result), f"a picture's text lacks {said}")
     picture_maps.growth_map("map.h5", "map.json", "map.csv")
-    other = {**result, "scheme": {"hash": "0" * 16, "parameters": "theta=-0.25"}}
+    other = {**result, "scheme": {"hash": "0" * 16, "parameters": "mix=-0.25"}}
     check(picture_scenes.compared(result) != picture_scenes.compared(other), "pictures take two schemes for one")
 
 
 def check_restart():
     run("run", "-scheme", AHEAD, "-cells", "12", "-steps", "4", "-checkpoint", "c.h5")
     run("run", "-scheme", AHEAD, "-cells", "12", "-steps", "8", "-restart", "c.h5", ranks=2)
-    said = run("run", "-scheme", AHEAD, "-theta", "-1/4", "-cells", "12", "-steps", "8", "-restart", "c.h5", status=2)
-    check("parameters" in said and "theta=-0.5" in said, f"a checkpoint of other parameters: {said}")
+    said = run("run", "-scheme", AHEAD, "-mix", "-1/4", "-cells", "12", "-steps", "8", "-restart", "c.h5", status=2)
+    check("parameters" in said and "mix=-0.5" in said, f"a checkpoint of other parameters: {said}")
     text = pathlib.Path(AHEAD).read_text(encoding="utf-8")
     pathlib.Path("other.yaml").write_text(text.replace("a_i = -k DIV s", "a_i = -0.5 k DIV s"), encoding="utf-8")
     said = run("run", "-scheme", "other.yaml", "-cells", "12", "-steps", "8", "-restart", "c.h5", status=2)
@@ -84,17 +84,17 @@ def check_restart():
 def check_options():
     """What the command line may say of parameters, and that each refusal names the option."""
     for words, expected in (
-            (("-theta", "x"), "-theta x: allowed: a finite number or a fraction"),
-            (("-map_theta", "0,1"), "-map_theta 0,1: allowed: with task map"),
+            (("-mix", "x"), "-mix x: allowed: a finite number or a fraction"),
+            (("-map_mix", "0,1"), "-map_mix 0,1: allowed: with task map"),
             (("-thetas", "1"), "unknown option -thetas"),
             (("-formulation", "usl"), "formulation and scheme are both given on the command line"),
-            (("-theta", "1", "-theta", "2"), "-theta is given a second time; allowed: once")):
+            (("-mix", "1", "-mix", "2"), "-mix is given a second time; allowed: once")):
         said = run("run", "-scheme", AHEAD, "-steps", "2", *words, status=2)
         check(expected in said and said.count("\n") == 1, f"{words}: {said}")
     said = run("run", "-scheme", "nowhere.yaml", status=2)
     check("scheme nowhere.yaml: No such file" in said, said)
-    said = run("map", "-scheme", AHEAD, "-map_axes", "theta,drift", status=2)
-    check("allowed: with its span, as -map_theta lo,hi" in said, said)
+    said = run("map", "-scheme", AHEAD, "-map_axes", "mix,drift", status=2)
+    check("allowed: with its span, as -map_mix lo,hi" in said, said)
     said = run("list", "formulation", "uls", status=2)
     check("did you mean usl?" in said, said)
     pathlib.Path("usl.yaml").write_text(run("list", "formulation", "usl"), encoding="utf-8")

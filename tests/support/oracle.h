@@ -108,8 +108,8 @@ static inline PetscErrorCode OracleGrowthNd(const char path[], int fewest, Oracl
       transfer[4] = 0;
     }
     if (strchr("eg", formulation[0]) && strcmp(transfer, "flip"))
-      filter = "-pic_filter before";                                     /* the rows' convention */
-    if (dim > 1 && strchr("muvr", formulation[0])) poisson = "-poisson"; /* momentum schemes */
+      filter = "-pic_filter before";                                      /* the rows' convention */
+    if (dim > 1 && strchr("muvri", formulation[0])) poisson = "-poisson"; /* momentum schemes */
     PetscCall(PetscSNPrintf(options, sizeof options,
                             "-dim %d -formulation %s -transfer %s %s -gradient %s -basis %s -ppc %d -offset %s "
                             "%s %s -courant %.17g -drift %s -cells %d %s",

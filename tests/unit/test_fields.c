@@ -8,7 +8,7 @@
 static const char *const other[][2] = {
     {"formulation", "-formulation musl"},
     {"scheme", "-scheme test_fields_scheme.yaml"},
-    {"parameters", "-scheme test_fields_scheme.yaml -theta 2"},
+    {"parameters", "-scheme test_fields_scheme.yaml -factor 2"},
     {"basis", "-basis quadratic"},
     {"transfer", "-transfer pic"},
     {"xpic_order", "-transfer xpic -xpic_order 3"},
@@ -19,6 +19,7 @@ static const char *const other[][2] = {
     {"boundary", "-boundary fixed,free"},
     {"share", "-formulation verlet -share 0.75"},
     {"rk", "-formulation rk -rk kg5"},
+    {"theta", "-formulation implicit -theta 0.75"},
     {"rk_on", "-formulation rk -rk_on nodes"},
     {"cells", "-cells 9"},
     {"dim", "-dim 2"},
@@ -225,8 +226,8 @@ static PetscErrorCode WriteScheme(void)
 
   PetscFunctionBegin;
   PetscCheck(file, PETSC_COMM_SELF, PETSC_ERR_FILE_OPEN, "test_fields_scheme.yaml");
-  fprintf(file, "name: fields\nparticles: {v: vector}\nnodes: {v_i: vector}\nparameters: {theta: 1}\n"
-                "step:\n- v_i = P2G v\n- v = theta G2P v_i\n- DRIFT\n");
+  fprintf(file, "name: fields\nparticles: {v: vector}\nnodes: {v_i: vector}\nparameters: {factor: 1}\n"
+                "step:\n- v_i = P2G v\n- v = factor G2P v_i\n- DRIFT\n");
   PetscCheck(!fclose(file), PETSC_COMM_SELF, PETSC_ERR_FILE_WRITE, "test_fields_scheme.yaml");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -120,7 +120,8 @@ static PetscErrorCode CheckLines(void)
       {4, "v += k^8 k G2P a_i", "allowed: powers of k up to 8"},
       {4, "v += 1e999 G2P a_i", "1e999 is not a finite number"},
       {4, "v += 1e300 1e300 G2P a_i", "a factor is not a finite number"},
-      {4, "v ~ G2P a_i", "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER, MOVE or DRIFT"},
+      {4, "v ~ G2P a_i",
+       "allowed: field = ..., field += ..., field -= ..., IMPOSE, REACT, FILTER, MOVE, IMPLICIT or DRIFT"},
       {4, "v =+ G2P a_i", "'=+' is not allowed; did you mean +=?"},
       {4, "v += GRAD ; a_i", "';' is not expected here"},
       {4, "v += STRESS DIV a_i", "STRESS acts on a gradient; allowed: STRESS GRAD field"},
@@ -199,7 +200,7 @@ static PetscErrorCode CheckKeys(void)
   PetscCall(RefusesKeys("  parameters: {v: 1}\n", "text:13: v: this name is given a second time"));
   PetscCall(RefusesKeys("  parameters: {P2G: 1}\n", "text:13: P2G: is a word of the language"));
   PetscCall(RefusesKeys("  parameters: {a-b: 1}\n", "text:13: a-b: allowed in a name: letters, digits and _"));
-  PetscCall(RefusesKeys("  parameters: {theta: 1}\n", "text:13: theta: nothing reads this parameter"));
+  PetscCall(RefusesKeys("  parameters: {mix: 1}\n", "text:13: mix: nothing reads this parameter"));
   PetscCall(RefusesKeys("  parameters: {courant: 1}\n",
                         "text:13: parameter courant: that is the name of an option; allowed: another name"));
   PetscCall(RefusesKeys("  parameters:\n    a: 1 - b\n    b: 2 a\n",
@@ -210,7 +211,7 @@ static PetscErrorCode CheckKeys(void)
   PetscCall(RefusesKeys("transfer: apic\n", "text:13: transfer: apic: probe has no FILTER"));
   PetscCall(RefusesKeys("boundary: fixed\n", "text:13: boundary: fixed: probe has no IMPOSE"));
   PetscCall(RefusesKeys("formulation: usl\n", "formulation and scheme are both given in text; allowed: one of them"));
-  PetscCall(RefusesKeys("theta: 1\n", "text:13: unknown key 'theta'"));
+  PetscCall(RefusesKeys("mix: 1\n", "text:13: unknown key 'mix'"));
   PetscCall(RefusesKeys("scheme: other.yaml\n", "text:13: key 'scheme' is given a second time"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,10 +2,11 @@
 #include <mpmstab/transfer.h>
 #include <string.h>
 
-extern const MpmFormulation MpmGas1, MpmGas2, MpmElastic, MpmUsl, MpmUsf, MpmMusl, MpmUsavg, MpmVerlet, MpmRk;
+extern const MpmFormulation MpmGas1, MpmGas2, MpmElastic, MpmUsl, MpmUsf, MpmMusl, MpmUsavg, MpmVerlet, MpmRk,
+    MpmImplicit;
 
-const MpmFormulation *const MpmFormulations[] = {&MpmGas1, &MpmGas2,  &MpmElastic, &MpmUsl, &MpmUsf,
-                                                 &MpmMusl, &MpmUsavg, &MpmVerlet,  &MpmRk,  NULL};
+const MpmFormulation *const MpmFormulations[] = {&MpmGas1,  &MpmGas2,   &MpmElastic, &MpmUsl,      &MpmUsf, &MpmMusl,
+                                                 &MpmUsavg, &MpmVerlet, &MpmRk,      &MpmImplicit, NULL};
 
 const MpmFormulation *MpmFormulationFind(const char name[])
 {
@@ -17,7 +18,7 @@ const MpmFormulation *MpmFormulationFind(const char name[])
 const MpmOp *MpmFormulationLines(const MpmFormulation *f, const MpmSchemeNumbers *numbers, const MpmTransfer *transfer,
                                  MpmOp room[MPM_MOST_TABLE_LINES], PetscInt *n)
 {
-  const MpmSchemeNumbers usual = {.share = 0.5, .rk = MPM_RK_USUAL};
+  const MpmSchemeNumbers usual = {.share = 0.5, .rk = MPM_RK_USUAL, .theta = 0.5};
 
   *n = f->lines ? f->lines(numbers ? numbers : &usual, transfer, room) : f->nops;
   return f->lines ? room : f->ops;
@@ -97,6 +98,7 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
       [MPM_LAP]        = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .halo = 1, .stencil = {1, -2, 1}},
       [MPM_COPY]       = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .stencil = {0, 1, 0}},
       [MPM_SOLVE]      = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
+      [MPM_IMPLICIT]   = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
       [MPM_WALL]       = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
       [MPM_ADVANCE]    = {.dst = MPM_NOWHERE, .src = MPM_ON_PARTICLES},
       [MPM_DRIFT]      = {.dst = MPM_NOWHERE, .src = MPM_NOWHERE},

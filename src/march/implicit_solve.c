@@ -1,0 +1,426 @@
+/* Solves (M + a M K) y = M f on the grid of the march. */
+#include "march/implicit_solve.h"
+#include "scheme/maps.h"
+#include <mpmstab/errors.h>
+
+#define RELATIVE 1e-12
+#define ABSOLUTE 1e-300 /* an unstable or decaying run is rescaled: no residual is small by itself */
+#define MOST_ITERATIONS 10000
+
+/* ---- vectors and node registers ---- */
+
+/* Copies a vector to the march's node registers from first on, or back. */
+static PetscErrorCode Copy(const MpmMarch *march, PetscInt first, PetscBool back, Vec vector)
+{
+  const PetscInt   dim = march->grid->dim;
+  const MpmGridBox box = MpmGridBoxOf(march->grid, 0);
+  PetscReal       *v;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(vector, &v));
+  for (PetscInt c = 0; c < dim; c++) {
+    PetscReal *node;
+
+    PetscCall(MpmGridGetArray(march->grid, march->node[first + c], &node));
+    if (!back) PetscCall(MpmGridZero(march->grid, node)); /* so that the sum with the ghosts is the owner's number */
+    for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+      PetscReal *row = node + MpmGridRow(march->grid, &box, r), *own = v + dim * r * box.hi[0] + c;
+
+      for (PetscInt i = 0; i < box.hi[0]; i++)
+        if (back)
+          own[dim * i] = row[i];
+        else
+          row[i] = own[dim * i];
+    }
+    PetscCall(MpmGridRestoreArray(march->grid, march->node[first + c], &node));
+  }
+  PetscCall(VecRestoreArray(vector, &v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A vector to node registers, with their ghosts and the images beyond walls. */
+static PetscErrorCode Spread(const MpmMarch *march, PetscInt first, Vec vector)
+{
+  const MpmGrid *grid = march->grid;
+  PetscReal     *node[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(Copy(march, first, PETSC_FALSE, vector));
+  for (PetscInt c = 0; c < grid->dim; c++) PetscCall(MpmGridGetArray(grid, march->node[first + c], &node[c]));
+  PetscCall(MpmGridSum(grid, grid->dim, node));
+  for (PetscInt c = 0; c < grid->dim; c++) {
+    for (PetscInt axis = 0; axis < grid->dim; axis++) {
+      PetscReal mirror[2];
+
+      MpmDirectionMirror(&march->layout->grid[axis], march->scheme->table->parity[first + c][axis], mirror);
+      MpmGridReflect(grid, axis, mirror, node[c]);
+    }
+    PetscCall(MpmGridRestoreArray(grid, march->node[first + c], &node[c]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* vector = M (vector + add), add NULL: 0. With whole, nodes without mass have a mass of 1, else of 0. */
+static PetscErrorCode Weigh(const MpmMarch *march, Vec add, PetscBool whole, Vec vector)
+{
+  const PetscInt   dim = march->grid->dim;
+  const MpmGridBox box = MpmGridBoxOf(march->grid, 0);
+  PetscReal       *v, *inverse;
+
+  PetscFunctionBegin;
+  if (add) PetscCall(VecAXPY(vector, 1, add));
+  PetscCall(VecGetArray(vector, &v));
+  PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &inverse));
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+    const PetscReal *m = inverse + MpmGridRow(march->grid, &box, r);
+
+    for (PetscInt i = 0; i < dim * box.hi[0]; i++) {
+      if (m[i / dim] > 0)
+        v[dim * r * box.hi[0] + i] /= m[i / dim];
+      else if (!whole)
+        v[dim * r * box.hi[0] + i] = 0;
+    }
+  }
+  PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &inverse));
+  PetscCall(VecRestoreArray(vector, &v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* y = (M + a M K) x: one pass over the particles. */
+static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
+{
+  MpmImplicitSolve *s;
+  PetscInt64        step;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(matrix, &s));
+  step = s->step;
+  PetscCall(Spread(s->march, s->k->solved, x));
+  {
+    const MpmNodeVectors nodes = {.n            = s->march->nnodes,
+                                  .node         = s->march->node,
+                                  .spare        = s->march->spare,
+                                  .inverse_mass = s->march->inverse_mass,
+                                  .parity       = s->k->parity};
+
+    PetscCall(MpmMarchRunPassesOn(s->march, &nodes, &step, 1, s->schedule.pass, PETSC_FALSE));
+  }
+  PetscCall(Copy(s->march, s->k->image, PETSC_TRUE, y));
+  PetscCall(VecScale(y, s->a));
+  PetscCall(Weigh(s->march, x, PETSC_TRUE, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the preconditioner's matrix ---- */
+
+/* The weights of a particle along a direction: phi (0) and its slope (1), the places of its nodes and each component's sign. */
+typedef struct {
+  PetscInt  place[MPM_MAX_REACH];
+  PetscReal weight[2][MPM_MAX_REACH], sign[MPM_MAX_DIM][MPM_MAX_REACH];
+} Along;
+
+static PetscBool IsFixed(const MpmDirection *direction, PetscInt node, MpmParity parity)
+{
+  return (node == 0 && (MpmEndImposes(direction->ends[0], parity) || direction->ends[0] == MPM_FIXED_REACTION)) ||
+                 (node == direction->nodes - 1 &&
+                  (MpmEndImposes(direction->ends[1], parity) || direction->ends[1] == MPM_FIXED_REACTION))
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+static void RowAlong(const MpmImplicitSolve *s, PetscInt a, PetscInt cell, PetscReal xi, Along *along)
+{
+  const MpmLayout    *layout = s->march->layout;
+  const MpmBasis     *basis  = s->march->scheme->basis;
+  const MpmGridAxis  *axis   = &s->march->grid->axis[a];
+  const MpmDirection *grid   = &layout->grid[a];
+  PetscInt            wall[2];
+
+  MpmDirectionWalls(grid, axis->first + cell, wall);
+  MpmMapRow(basis, MPM_G2P, xi, layout->half_width[a], wall, along->weight[0]);
+  MpmMapRow(basis, s->slope, xi, layout->half_width[a], wall, along->weight[1]);
+  for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
+    const PetscInt node = cell - basis->reach_left + d;
+
+    along->place[d] = node * axis->stride;
+    for (PetscInt c = 0; c < layout->dim; c++) {
+      const MpmParity parity = s->k->parity[s->k->solved + c][a];
+
+      along->sign[c][d] = 1;
+      if (axis->periodic) continue;
+      along->place[d] = (MpmDirectionImage(grid, axis->first + node, parity, &along->sign[c][d]) - axis->first);
+      if (IsFixed(grid, along->place[d] + axis->first, parity)) along->sign[c][d] = 0;
+      along->place[d] *= axis->stride;
+    }
+  }
+}
+
+/* The slopes of all components at a particle's nodes, with their signs: slope[(node dim + c) dim + direction]. */
+static PetscInt NodesOf(const MpmImplicitSolve *s, const Along along[], PetscInt node[], PetscReal slope[])
+{
+  const PetscInt dim = s->march->layout->dim, reach = MpmMapReach(s->march->scheme->basis);
+  PetscInt       n = 1;
+
+  for (PetscInt a = 0; a < dim; a++) n *= reach;
+  for (PetscInt i = 0; i < n; i++) {
+    PetscReal *at = slope + i * dim * dim;
+
+    node[i] = s->march->grid->origin;
+    for (PetscInt c = 0; c < dim * dim; c++) at[c] = 1;
+    for (PetscInt a = 0, rest = i; a < dim; a++, rest /= reach) {
+      const PetscInt d = rest % reach;
+
+      node[i] += along[a].place[d];
+      for (PetscInt c = 0; c < dim; c++)
+        for (PetscInt b = 0; b < dim; b++) at[c * dim + b] *= along[a].sign[c][d] * along[a].weight[a == b][d];
+    }
+  }
+  return n;
+}
+
+/* The block of two nodes of a particle, times a number. */
+static void Block(const MpmImplicitSolve *s, PetscReal times, const PetscReal to[], const PetscReal from[],
+                  PetscReal block[])
+{
+  const PetscInt dim = s->march->layout->dim;
+
+  for (PetscInt c = 0; c < dim; c++)
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscReal sum = 0;
+
+      for (PetscInt b = 0; b < dim; b++)
+        for (PetscInt d = 0; d < dim; d++) sum += s->term[c][b][a][d] * to[c * dim + b] * from[a * dim + d];
+      block[c * dim + a] = times * sum;
+    }
+}
+
+/* Adds all particles' parts of a M K. */
+static PetscErrorCode AddParticles(MpmImplicitSolve *s)
+{
+  const MpmParticles *particles = s->march->particles;
+  const PetscInt      dim = s->march->layout->dim, reach = MpmMapReach(s->march->scheme->basis);
+  const PetscReal    *volume, *stiffness;
+  PetscInt           *cell[MPM_MAX_DIM], *node, whole[MPM_MAX_DIM], most = 1;
+  PetscReal          *xi[MPM_MAX_DIM], *slope, part[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) most *= reach;
+  PetscCall(PetscMalloc2(most, &node, most * dim * dim, &slope));
+  PetscCall(MpmMarchGetProperty(s->march, MPM_VOLUME, &volume));
+  PetscCall(MpmMarchGetProperty(s->march, MPM_STIFFNESS, &stiffness));
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(MpmParticlesGet(particles, MpmFieldCell[a], &cell[a]));
+    PetscCall(MpmParticlesGet(particles, MpmFieldXi[a], &xi[a]));
+    PetscCall(MpmParticlesWhere(particles, a, s->step, &whole[a], &part[a]));
+  }
+  for (PetscInt p = 0; p < particles->count; p++) {
+    const PetscReal times = s->a * (volume ? volume[p] : 1) * (stiffness ? stiffness[p] : 1);
+    PetscReal       block[MPM_MAX_DIM * MPM_MAX_DIM];
+    Along           along[MPM_MAX_DIM];
+    PetscInt        n;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscInt  in;
+      PetscReal at;
+
+      MpmPlaceBlock(1, &cell[a][p], &xi[a][p], whole[a], part[a], &in, &at);
+      RowAlong(s, a, in, at, &along[a]);
+    }
+    n = NodesOf(s, along, node, slope);
+    for (PetscInt i = 0; i < n; i++)
+      for (PetscInt j = 0; j < n; j++) {
+        if (!s->whole && node[i] != node[j]) continue;
+        Block(s, times, slope + i * dim * dim, slope + j * dim * dim, block);
+        PetscCall(MatSetValuesBlockedLocal(s->blocks, 1, &node[i], 1, &node[j], block, ADD_VALUES));
+      }
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(MpmParticlesRestore(particles, MpmFieldXi[a], &xi[a]));
+    PetscCall(MpmParticlesRestore(particles, MpmFieldCell[a], &cell[a]));
+  }
+  PetscCall(MpmMarchRestoreProperty(s->march, MPM_STIFFNESS, &stiffness));
+  PetscCall(MpmMarchRestoreProperty(s->march, MPM_VOLUME, &volume));
+  PetscCall(PetscFree2(node, slope));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Assemble(MpmImplicitSolve *s)
+{
+  Vec masses;
+
+  PetscFunctionBegin;
+  PetscCall(MatZeroEntries(s->blocks));
+  PetscCall(AddParticles(s));
+  PetscCall(MatAssemblyBegin(s->blocks, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(s->blocks, MAT_FINAL_ASSEMBLY));
+  PetscCall(VecDuplicate(s->right, &masses));
+  PetscCall(VecSet(masses, 1));
+  PetscCall(Weigh(s->march, NULL, PETSC_TRUE, masses));
+  PetscCall(MatDiagonalSet(s->blocks, masses, ADD_VALUES));
+  PetscCall(VecDestroy(&masses));
+  PetscCall(KSPSetOperators(s->ksp, s->shell, s->blocks));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- set-up ---- */
+
+/* The terms of K: a gather to scratch, and each sum of that scratch. */
+static void FindTerms(MpmImplicitSolve *s)
+{
+  const MpmTable *k = s->k;
+
+  for (const MpmOp *grad = k->ops; grad < k->ops + k->nops; grad++) {
+    const MpmOpTraits to = MpmOpTraitsOf(grad->kind);
+
+    if (to.src != MPM_ON_NODES || to.dst != MPM_ON_PARTICLES) continue;
+    s->slope = grad->kind;
+    for (const MpmOp *div = grad + 1; div < k->ops + k->nops; div++) {
+      const MpmOpTraits from = MpmOpTraitsOf(div->kind);
+
+      if (from.src == MPM_ON_PARTICLES && from.dst == MPM_ON_NODES && div->src == grad->dst)
+        s->term[div->dst - k->image][div->axis][grad->src - k->solved][grad->axis] += div->factor * grad->factor;
+    }
+  }
+}
+
+static PetscErrorCode CreateBlocks(MpmImplicitSolve *s, PetscInt own)
+{
+  const PetscInt         dim = s->march->layout->dim, reach = MpmMapReach(s->march->scheme->basis);
+  PetscInt               width = 1, all;
+  ISLocalToGlobalMapping nodes, map;
+  const PetscInt        *index;
+  PetscInt               n;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim && s->whole; a++) width *= 2 * reach - 1;
+  all   = MpmLayoutNodes(s->march->layout);
+  width = PetscMin(width, all);
+  PetscCall(MatCreate(PetscObjectComm((PetscObject)s->march->grid->da), &s->blocks));
+  PetscCall(MatSetSizes(s->blocks, dim * own, dim * own, PETSC_DETERMINE, PETSC_DETERMINE));
+  PetscCall(MatSetBlockSize(s->blocks, dim));
+  PetscCall(MatSetType(s->blocks, s->whole ? MATAIJ : MATBAIJ));
+  PetscCall(MatXAIJSetPreallocation(s->blocks, dim, NULL, NULL, NULL, NULL));
+  PetscCall(MatSeqAIJSetPreallocation(s->blocks, dim * width, NULL));
+  PetscCall(MatMPIAIJSetPreallocation(s->blocks, dim * width, NULL, s->whole ? dim * width : 0, NULL));
+  PetscCall(MatSeqBAIJSetPreallocation(s->blocks, dim, width, NULL));
+  PetscCall(MatMPIBAIJSetPreallocation(s->blocks, dim, width, NULL, 0, NULL));
+  PetscCall(MatSetOption(s->blocks, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  PetscCall(DMGetLocalToGlobalMapping(s->march->grid->da, &nodes));
+  PetscCall(ISLocalToGlobalMappingGetSize(nodes, &n));
+  PetscCall(ISLocalToGlobalMappingGetIndices(nodes, &index));
+  PetscCall(
+      ISLocalToGlobalMappingCreate(PetscObjectComm((PetscObject)s->blocks), dim, n, index, PETSC_COPY_VALUES, &map));
+  PetscCall(ISLocalToGlobalMappingRestoreIndices(nodes, &index));
+  PetscCall(MatSetLocalToGlobalMapping(s->blocks, map, map));
+  PetscCall(ISLocalToGlobalMappingDestroy(&map));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* K of a prestress in more dimensions is not symmetric. */
+static PetscErrorCode CreateSolver(MpmImplicitSolve *s)
+{
+  const MpmSpace *space     = &s->march->scheme->space;
+  const PetscBool symmetric = space->dim == 1 || !MpmSpaceIsPrestressed(space) ? PETSC_TRUE : PETSC_FALSE;
+  PetscBool       blocks;
+  PC              pc;
+
+  PetscFunctionBegin;
+  PetscCall(KSPCreate(PetscObjectComm((PetscObject)s->march->grid->da), &s->ksp));
+  PetscCall(KSPSetOptionsPrefix(s->ksp, "implicit_"));
+  PetscCall(KSPSetType(s->ksp, symmetric ? KSPCG : KSPGMRES));
+  PetscCall(KSPGetPC(s->ksp, &pc));
+  PetscCall(PCSetType(pc, PCPBJACOBI));
+  PetscCall(KSPSetTolerances(s->ksp, RELATIVE, ABSOLUTE, PETSC_CURRENT, MOST_ITERATIONS));
+  PetscCall(KSPSetFromOptions(s->ksp));
+  PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &blocks, PCPBJACOBI, PCJACOBI, PCNONE, ""));
+  s->whole = blocks ? PETSC_FALSE : PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmImplicitSolveCreate(MpmMarch *march, const MpmTable *k, MpmImplicitSolve **solve)
+{
+  const PetscInt    own = MpmGridNodes(march->grid), dim = march->layout->dim;
+  MpmImplicitSolve *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(solve));
+  s        = *solve;
+  s->march = march;
+  s->k     = k;
+  s->step  = -1;
+  FindTerms(s);
+  PetscCall(MpmScheduleCompile(k, march->scheme->basis, march->layout, 1, PETSC_FALSE, PETSC_TRUE, &s->schedule));
+  PetscCheck(s->schedule.npasses == 1, PETSC_COMM_SELF, PETSC_ERR_PLIB, "a product with K takes one pass");
+  PetscCall(CreateSolver(s));
+  PetscCall(CreateBlocks(s, own));
+  PetscCall(MatCreateShell(PetscObjectComm((PetscObject)march->grid->da), dim * own, dim * own, PETSC_DETERMINE,
+                           PETSC_DETERMINE, s, &s->shell));
+  PetscCall(MatShellSetOperation(s->shell, MATOP_MULT, (void (*)(void))Multiply));
+  PetscCall(MatCreateVecs(s->blocks, &s->solution, &s->right));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmImplicitSolveDestroy(MpmImplicitSolve **solve)
+{
+  PetscFunctionBegin;
+  if (!*solve) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmScheduleDestroy(&(*solve)->schedule));
+  PetscCall(MatDestroy(&(*solve)->shell));
+  PetscCall(MatDestroy(&(*solve)->blocks));
+  PetscCall(VecDestroy(&(*solve)->right));
+  PetscCall(VecDestroy(&(*solve)->solution));
+  PetscCall(KSPDestroy(&(*solve)->ksp));
+  PetscCall(PetscFree(*solve));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a solve ---- */
+
+void MpmImplicitSolveTotals(const MpmMarch *march, PetscInt64 *iterations, PetscReal *seconds)
+{
+  *iterations = 0;
+  *seconds    = 0;
+  for (PetscInt i = 0; i < MPM_MAX_STIFF && march->implicit[i]; i++) {
+    *iterations += march->implicit[i]->iterations;
+    *seconds += march->implicit[i]->seconds;
+  }
+}
+
+static MpmImplicitSolve *SolveOf(const MpmMarch *march, const MpmNodeOp *op)
+{
+  PetscInt i = 0;
+
+  while (march->implicit[i]->k->solved != op->dst) i++;
+  return march->implicit[i];
+}
+
+PetscErrorCode MpmImplicitSolveApply(MpmMarch *march, PetscInt64 step, const MpmNodeOp *op)
+{
+  MpmImplicitSolve *s     = SolveOf(march, op);
+  const PetscReal   begin = MPI_Wtime();
+  const PetscBool   moved =
+      s->step < 0 || (s->step != step && MpmParticlesMove(march->particles)) ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool    anew = moved || s->a != op->a ? PETSC_TRUE : PETSC_FALSE;
+  KSPConvergedReason reason;
+  PetscInt           iterations;
+
+  PetscFunctionBegin;
+  s->step = step;
+  s->a    = op->a;
+  if (anew) PetscCall(Assemble(s));
+  PetscCall(Copy(march, s->k->solved, PETSC_TRUE, s->right));
+  PetscCall(Weigh(march, NULL, PETSC_FALSE, s->right));
+  PetscCall(KSPSolve(s->ksp, s->right, s->solution));
+  PetscCall(KSPGetConvergedReason(s->ksp, &reason));
+  PetscCall(KSPGetIterationNumber(s->ksp, &iterations));
+  PetscCall(Spread(march, s->k->solved, s->solution));
+  s->iterations += iterations;
+  s->seconds += MPI_Wtime() - begin;
+  if (reason <= 0)
+    (void)snprintf(march->failure, sizeof march->failure,
+                   "step %" PetscInt64_FMT ": the system of the implicit step did not converge in %" PetscInt_FMT
+                   " iterations (%s); allowed: a smaller step, or -implicit_ksp_max_it, -implicit_ksp_rtol and "
+                   "-implicit_pc_type",
+                   march->step + 1, iterations, KSPConvergedReasons[reason]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
