@@ -9,10 +9,10 @@
 #define MLS_MPM "-formulation usl -transfer apic -gradient mls -basis quadratic"
 #define MLS_MPM_LIMIT "1.30637"
 
-#define OPTIONS(...) (const MpmCodeOption[]){__VA_ARGS__, {NULL, NULL, NULL}}
-
 /* Codes of engineering, then those of graphics, each by name. */
 /* clang-format off */
+#define OPTIONS(...) (const MpmCodeOption[]){__VA_ARGS__, {NULL, NULL, NULL}}
+
 const MpmCode MpmCodes[] = {
     {"Anura3D", "Anura3D/Anura3D_OpenSource", "016e9d0", NULL, NULL, OPTIONS(
         {"MPM, one phase", "-formulation musl -transfer flip", "src/MPMDYNConvPhase.FOR"},
