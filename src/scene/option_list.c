@@ -100,6 +100,8 @@ WHEN(HasMaterialName, s->law != &MpmLawLinear || HasMaterial(s, in))
 WHEN(HasInclusion, in == MPM_IN_FILE || in == MPM_IN_MODE_FILE || s->layout.material.kind == MPM_MATERIAL_TWO)
 WHEN(HasPrestress, MpmSpaceIsPrestressed(&s->scheme.space))
 WHEN(HasMove, s->scheme.space.displaced || s->scheme.space.finite)
+WHEN(HasMoveShare, MpmFormulationReads(s->scheme.formulation, "move_share") && HasMove(s, in))
+WHEN(HasRelax, s->scheme.numbers.rk_relax)
 WHEN(HasKinematics, s->scheme.space.finite)
 WHEN(HasShape, s->layout.shape)
 WHEN(HasGravity, s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0)
@@ -153,6 +155,10 @@ const MpmField MpmOptions[] = {
    .word = MpmRkWord, TEXT(RkOf), IN(90, 71, 65, 50), SHOWN(HasRk)},
   {"rk_on", MPM_WORD, "auto", "formulation rk: stages are on particles (a whole P2G and G2P each, transfer flip) or on nodes; auto: on particles with flip, else on nodes",
    WORDS(MpmRkOnNames), TEXT(RkOnOf), IN(91, 72, 66, 51), SHOWN(HasRk)},
+  {"rk_relax", MPM_SWITCH, "false", "formulation rk with kinematics finite: a step whose increments would raise the energy of the particles takes so much less of them that it does not",
+   .tasks = "run", KEPT(AS_SWITCH, scheme.numbers.rk_relax), IN(93, 74, 68, 0), SHOWN(HasRelax)},
+  {"move_share", MPM_FRACTION, NULL, "formulations verlet and rk, with a prestress or kinematics finite: the share of the new velocity of the grid in that which particles move with, the rest is of the old one (default: verlet 1, rk 1/2)",
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.move_share), IN(92, 73, 67, 52), SHOWN(HasMoveShare)},
   {"dim", MPM_INTEGER, "1", "space dimensions",
    BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), SHOWN(HasDim)},
   {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",

@@ -9,7 +9,14 @@
 #define MLS_MPM "-formulation usl -transfer apic -gradient mls -basis quadratic"
 #define MLS_MPM_LIMIT "1.30637"
 
-#define OPTIONS(...) (const MpmCodeOption[]){__VA_ARGS__, {NULL, NULL, NULL}}
+#define OPTIONS(...)                                                                                                   \
+  (const MpmCodeOption[])                                                                                              \
+  {                                                                                                                    \
+    __VA_ARGS__,                                                                                                       \
+    {                                                                                                                  \
+      NULL, NULL, NULL                                                                                                 \
+    }                                                                                                                  \
+  }
 
 /* Codes of engineering, then those of graphics, each by name. */
 /* clang-format off */
