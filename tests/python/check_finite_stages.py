@@ -79,7 +79,7 @@ def state(scheme, courant):
 
 def check_order(scheme, orders):
     """Halving the step three times: the order in time of places, F and velocity, against a fine step."""
-    fine, errors = state(scheme, 1 / 512), {}
+    fine, errors = state(scheme, 1 / 256), {}
     for courant in (1 / 4, 1 / 8, 1 / 16):
         for name, values in state(scheme, courant).items():
             errors.setdefault(name, []).append(np.sqrt(np.mean((np.remainder(values - fine[name] + 8, 16) - 8) ** 2)))
