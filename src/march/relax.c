@@ -104,7 +104,7 @@ static PetscErrorCode Find(const MpmMarch *march, PetscReal highest, PetscReal *
 PetscErrorCode MpmRelaxEnd(MpmMarch *march, PetscBool *scaled)
 {
   MpmRelax *relax = march->relax;
-  PetscReal energy, factor;
+  PetscReal energy, factor = 1;
 
   PetscFunctionBegin;
   *scaled = PETSC_FALSE;

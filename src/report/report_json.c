@@ -109,7 +109,7 @@ static json_t *Run(const MpmRun *run)
   MpmJsonSet(object, "energy.final", run->energy_final);
   if (run->relaxed) {
     json_object_set_new(object, "relaxed", json_object());
-    MpmJsonSet(object, "relaxed.steps", (PetscReal)run->relaxed);
+    MpmJsonSetCount(object, "relaxed.steps", run->relaxed);
     MpmJsonSet(object, "relaxed.least_factor", run->least_factor);
   }
   MpmJsonSet(object, "mass_change", run->mass_change);

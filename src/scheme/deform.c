@@ -32,9 +32,11 @@ INLINE PetscInt64 Stretch(const int dim, PetscInt n, const PetscReal twice, Pets
     PetscReal old[9], some[9], now[9], det; /* now = old + L some, some = old + twice L old */
 
     EACH (c, dim * dim) now[c] = some[c] = old[c] = f[c][p];
-    EACH (a, dim)
-      EACH (b, dim)
-        EACH (c, twice != 0 ? dim : 0) some[dim * a + b] += twice * l[dim * a + c][p] * old[dim * c + b];
+    if (twice != 0) {
+      EACH (a, dim)
+        EACH (b, dim)
+          EACH (c, dim) some[dim * a + b] += twice * l[dim * a + c][p] * old[dim * c + b];
+    }
     EACH (a, dim)
       EACH (b, dim)
         EACH (c, dim) now[dim * a + b] += l[dim * a + c][p] * some[dim * c + b];
