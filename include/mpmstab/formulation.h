@@ -43,7 +43,7 @@
    On particles, at finite deformation (table_finite.c); dst and src are the first registers of theirs:
    MPM_STRESS     - tau = tau(F), the Kirchhoff stress of the material in units of rho0 c0^2, times E_p
    MPM_LOAD       - b = the body force per mass at the particle's place at rest, in units of c^2 / h
-   MPM_STRETCH    - F <- (I + L) F
+   MPM_STRETCH    - F <- (I + L + a L L) F, a the factor: 0, or 1/2 in steps of several stages
    MPM_ADVANCE    - x_p += particle, in cells
 
    On particles, and on nodes. f is another field; a COPY may also be of a node field to itself, which multiplies it:
@@ -62,8 +62,8 @@
    MPM_FILTER     - particle = F particle, with the node field P2G of it: how the transfer renews particles
    MPM_FILTER_BEFORE, MPM_FILTER_AFTER - the same where the filter of the space is before, or after the step takes the
                     nodal values of the field; nothing where it is not
-   MPM_MOVE       - x += k sum_i phi_ip node, x the displacement of particles in cells: with a prestress alone, else nothing.
-                    Node fields whose sum is the grid's velocity have one each.
+   MPM_MOVE       - x += a k sum_i phi_ip node, x the displacement of particles in cells: with a prestress alone, else nothing.
+                    Node fields whose sum is the grid's velocity have one each, and a is the share of each.
    MPM_MOVE_PROJECTED - takes the place of all MOVE where particles move with the projected velocity
    MPM_IMPOSE     - node = 0 at fixed ends
    MPM_REACT      - node = 0 at fixed ends, or the reaction of the wall: its new value minus its value before the wall
@@ -221,7 +221,8 @@ PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 #define FILTER(particle, node)         {.kind = MPM_FILTER, .dst = particle, .src = node, .factor = 1}
 #define FILTER_BEFORE(particle, node)  {.kind = MPM_FILTER_BEFORE, .dst = particle, .src = node, .factor = 1}
 #define FILTER_AFTER(particle, node)   {.kind = MPM_FILTER_AFTER, .dst = particle, .src = node, .factor = 1}
-#define MOVE(node)                     {.kind = MPM_MOVE, .dst = MPM_NONE, .src = node, .factor = 1}
+#define MOVE(node)                     MOVE_TIMES(node, 1)
+#define MOVE_TIMES(node, number)       {.kind = MPM_MOVE, .dst = MPM_NONE, .src = node, .factor = number}
 #define MOVE_PROJECTED(node)           {.kind = MPM_MOVE_PROJECTED, .dst = MPM_NONE, .src = node, .factor = 1}
 #define IMPOSE(node)                   {.kind = MPM_IMPOSE, .dst = node, .src = node}
 #define REACT(node, imposed)           {.kind = MPM_REACT, .dst = node, .src = imposed}
@@ -306,6 +307,7 @@ typedef struct MpmWritten_ MpmWritten;
                      finds it. It is no part of the state.
    nops, ops       - the table of operations on fields. MpmTableCreate writes it out for the components of fields.
    options         - the options that the formulation reads, NULL-terminated
+   move_share      - the usual share of the new velocity in that which particles move with, where it reads that option
    lines           - writes the table that the numbers ask for, with a transfer, and returns its length; NULL: the table is
                      ops. Ask MpmFormulationLines.
    staggered       - the particle field that is updated first in a step, or MPM_NONE. It lags half a step in a start of
@@ -345,7 +347,8 @@ typedef struct {
   PetscBool    scratch[MPM_MAX_FIELDS];
   PetscInt     nops;
   const MpmOp *ops;
-  const char  *options[4];
+  const char  *options[8];
+  PetscReal    move_share;
   PetscInt (*lines)(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer, MpmOp ops[MPM_MOST_TABLE_LINES]);
   PetscInt             staggered, affine, conserved;
   PetscBool            free_ends, materials;

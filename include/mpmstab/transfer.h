@@ -7,14 +7,16 @@ typedef struct MpmTable_ MpmTable;
 /*
    The numbers that a scheme may be given. Those of transfers: the order of xpic and fmpm, the share of flip in a blend, and that in the
    velocities of an affine flip. Those of formulations: the part of the strain that verlet takes after the force, the
-   method of rk and where its stages are, and theta of the implicit step.
+   method of rk, where its stages are and whether its steps are relaxed, theta of the implicit step, and the share of the
+   new velocity in that which particles of verlet and rk move with.
 */
 struct MpmSchemeNumbers_ {
   PetscInt  order;
   PetscReal ratio, affine_ratio;
-  PetscReal share;
+  PetscReal share, move_share;
   PetscInt  rk;
   MpmRkOn   rk_on;
+  PetscBool rk_relax;
   PetscReal theta;
 };
 

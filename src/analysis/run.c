@@ -6,6 +6,7 @@
 #include "march/conserved.h"
 #include "march/implicit_solve.h"
 #include "march/march_private.h"
+#include "march/relax.h"
 #include "scene/layout.h"
 #include "scene/material.h"
 #include "base/progress.h"
@@ -255,6 +256,8 @@ static PetscErrorCode Check(Loop *loop)
   PetscFunctionBegin;
   if (!loop->run->lost) PetscCall(MpmConservedCheck(loop->march, &loop->start, changes));
   PetscCall(MpmMarchLoad(loop->march, &loop->run->load));
+  loop->run->relaxed = loop->march->relax ? loop->march->relax->steps : 0;
+  if (loop->run->relaxed) loop->run->least_factor = loop->march->relax->least;
   loop->run->mass_change     = changes[0];
   loop->run->momentum_change = changes[1];
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -18,7 +18,8 @@
    the norm of the state left the range of doubles, or MPM_NEVER. mass_change, momentum_change: relative to the start of
    the run; NaN when there was none to conserve, or when the state was lost. lost: one step enlarged the state beyond
    what rescaling can follow, and the run stopped there. growth_above: a lower bound of that step's growth. bytes: moved
-   per particle and step, if known (traffic.h). load: the largest number of particles that a rank had, over the mean. transfer_first, transfer_last, transfer_most: the transfer diagnostics,
+   per particle and step, if known (traffic.h). load: the largest number of particles that a rank had, over the mean. relaxed: the number of steps
+   whose increments had a factor below 1 (march/relax.h), and least_factor the least of these factors. transfer_first, transfer_last, transfer_most: the transfer diagnostics,
    in scenes that ask for weights, source term or ringing (transfer_diagnostics.h). tangents: of a run that was asked for
    its tangent, else NULL. iterations, solve_s: of the systems of an implicit step, of all steps of this run.
 S*/
@@ -29,8 +30,8 @@ typedef struct {
   PetscMPIInt       ranks;
   PetscInt64        from, steps, last, blew_up_at_step;
   PetscReal         time, loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
-  PetscReal         mass_change, momentum_change, growth_above, bytes, load, solve_s;
-  PetscInt64        iterations;
+  PetscReal         mass_change, momentum_change, growth_above, bytes, load, least_factor, solve_s;
+  PetscInt64        relaxed, iterations;
   PetscBool         has_errors, lost, stopped;
   char              failure[512]; /* which particle ended a run at finite deformation, and why; empty: none */
   MpmError          error[MPM_MOST_ERRORS];

@@ -277,7 +277,7 @@ static void RunFinite(const MpmRowArrays *a, const MpmRowStep *step, PetscInt be
 {
   const PetscInt       dim   = a->march->grid->dim;
   const MpmFiniteWidth width = MpmFiniteWidthOf(step->finite, dim);
-  MpmFiniteBlock       block = {.begin = begin, .n = n, .step = a->step + after, .id = a->id + begin};
+  MpmFiniteBlock       block = {.begin = begin, .n = n, .step = a->step + after, .a = step->a, .id = a->id + begin};
 
   for (PetscInt c = 0; c < width.to; c++) block.to[c] = MpmRowsField(a, step->particle + c, begin);
   for (PetscInt c = 0; c < width.from; c++) block.from[c] = MpmRowsField(a, step->other + c, begin);

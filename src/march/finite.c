@@ -88,7 +88,7 @@ void MpmFiniteRun(const MpmMarch *march, MpmPassOpKind kind, const MpmFiniteBloc
   else if (kind == MPM_PASS_ADVANCE)
     Advance(march, block);
   else {
-    const PetscInt bad = MpmStretch(dim, block->n, block->to, from);
+    const PetscInt bad = MpmStretch(dim, block->n, block->a, block->to, from);
 
     if (bad < block->n) Note(march, MPM_INVERTED, block, bad);
   }

@@ -26,13 +26,14 @@ struct MpmWatch_ {
 };
 
 /*S
-   MpmFiniteBlock - the n particles from begin on, which go through an operation together. to and from: the arrays of the fields that it
+   MpmFiniteBlock - the n particles from begin on, which go through an operation together. a: its number. to and from: the arrays of the fields that it
    writes and reads, which begin with these particles, and so do id, cell and xi. step: that of the places. stiffness: of
    the particles, or NULL where all are alike.
 S*/
 typedef struct {
   PetscInt          begin, n;
   PetscInt64        step;
+  PetscReal         a;
   PetscReal        *to[MPM_MAX_DIM * MPM_MAX_DIM], *from[MPM_MAX_DIM * MPM_MAX_DIM], *xi[MPM_MAX_DIM];
   PetscInt         *cell[MPM_MAX_DIM];
   const PetscInt64 *id;

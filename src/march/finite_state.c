@@ -210,24 +210,39 @@ static PetscErrorCode SeenSquares(const MpmMarch *march, PetscReal *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds m v^2 / 2 of this rank's particles, and their energy in the gravity, in units of rho0 c^2. */
-static PetscErrorCode KineticEnergy(const MpmMarch *march, PetscReal *sum)
+/* Adds m v^2 / 2 of this rank's particles, and moment times that of an affine part, in units of rho0 c^2. */
+static PetscErrorCode KineticEnergy(const MpmMarch *march, PetscReal moment, PetscReal *sum)
 {
   const MpmTable  *t = march->scheme->table;
   const PetscReal *q, *mass;
-  const PetscInt  *cell;
   PetscReal        kinetic = 0;
 
   PetscFunctionBegin;
   PetscCall(MpmMarchGetProperty(march, MPM_MASS, &mass));
   for (PetscInt r = 0; r < t->nstate; r++) {
-    if (t->field[r] == MPM_STRETCHED || t->field[r] == MPM_NONE) continue;
+    const PetscReal part = t->field[r] == MPM_NONE ? moment : 1;
+
+    if (t->field[r] == MPM_STRETCHED || part == 0) continue;
+    kinetic = 0;
     PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
 #pragma omp simd reduction(+ : kinetic)
     for (PetscInt p = 0; p < march->particles->count; p++) kinetic += (mass ? mass[p] : 1) * q[p] * q[p] / 2;
     PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
+    *sum += part * kinetic;
   }
-  *sum += kinetic;
+  PetscCall(MpmMarchRestoreProperty(march, MPM_MASS, &mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the energy of this rank's particles in the gravity, in units of rho0 c^2. */
+static PetscErrorCode GravityEnergy(const MpmMarch *march, PetscReal *sum)
+{
+  const MpmTable  *t = march->scheme->table;
+  const PetscReal *q, *mass;
+  const PetscInt  *cell;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMarchGetProperty(march, MPM_MASS, &mass));
   for (PetscInt a = 0; a < t->dim && march->scene; a++) {
     const PetscReal gravity = march->scene->gravity[a] * march->cell_width / PetscSqr(march->scene->wave_speed);
 
@@ -276,6 +291,17 @@ static PetscReal VolumeAtRest(const MpmMarch *march)
   return volume;
 }
 
+PetscErrorCode MpmFiniteEnergy(const MpmMarch *march, PetscReal psi[], PetscReal *energy)
+{
+  PetscFunctionBegin;
+  *energy = 0;
+  PetscCall(KineticEnergy(march, march->scheme->basis->moment, energy));
+  PetscCall(StrainEnergy(march, psi, energy));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, energy, 1, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmFiniteNorms(const MpmMarch *march, MpmNorms *norms)
 {
   const PetscInt  count   = march->particles->count;
@@ -292,7 +318,8 @@ PetscErrorCode MpmFiniteNorms(const MpmMarch *march, MpmNorms *norms)
   /* the memory of the first way then serves for one number of each particle */
   for (PetscInt r = 0; r < march->scheme->table->nstate; r++) PetscCall(FieldSquares(march, r, way[0], &sums[0]));
   PetscCall(SeenSquares(march, &sums[2]));
-  PetscCall(KineticEnergy(march, &sums[1]));
+  PetscCall(KineticEnergy(march, 0, &sums[1]));
+  PetscCall(GravityEnergy(march, &sums[1]));
   PetscCall(StrainEnergy(march, way[0], &sums[1]));
   for (PetscInt a = 0; a < march->grid->dim; a++) PetscCall(PetscFree(way[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));

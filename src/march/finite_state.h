@@ -12,6 +12,13 @@
 PetscErrorCode MpmFiniteFill(MpmMarch *march, PetscReal noise);
 
 /*
+   MpmFiniteEnergy - the energy of all particles, kinetic and stored, with that of an affine part: sum m D |C|^2 / 2.
+
+   Collective. psi: room for a number of each particle of this rank. energy: in units of that of a particle, rho0 c^2.
+*/
+PetscErrorCode MpmFiniteEnergy(const MpmMarch *march, PetscReal psi[], PetscReal *energy);
+
+/*
    MpmFiniteNorms - norms of the state.
 
    Collective. state is the root of the mean square, over particles, of what is left of x / h, v / c and F / F0 when the

@@ -7,6 +7,7 @@
 #include "march/finite.h"
 #include "march/finite_state.h"
 #include "march/implicit_solve.h"
+#include "march/relax.h"
 #include <math.h>
 
 #define OF_PARTICLE 12.0 /* bytes: id and owner */
@@ -222,6 +223,10 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   if (m->particles->own) PetscCall(PetscNew(&m->watch));
   for (PetscInt i = 0; i < scheme->table->nstiff; i++)
     PetscCall(MpmImplicitSolveCreate(m, scheme->table->stiff[i], &m->implicit[i]));
+  if (scheme->numbers.rk_relax) {
+    PetscCall(PetscNew(&m->relax));
+    m->relax->least = 1;
+  }
   if (layout->dim > 1) {
     PetscCall(CompilePlans(m));
     PetscCall(CompileClouds(m));
@@ -290,6 +295,7 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
   }
   PetscCall(VecDestroy(&(*march)->inverse_mass));
   PetscCall(PetscFree((*march)->watch));
+  PetscCall(MpmRelaxDestroy(&(*march)->relax));
   PetscCall(PetscFree((*march)->scratch));
   PetscCall(PetscFree((*march)->plans));
   PetscCall(PetscFree((*march)->row));
@@ -326,6 +332,7 @@ PetscReal MpmMarchBytes(const MpmScene *scene, PetscBool output)
   PetscReal particle = OF_PARTICLE + OF_PLACE * scene->layout.dim + OF_NUMBER * scene->scheme.table->nparticles +
                        (output ? OF_OUTPUT : 0);
 
+  if (scene->scheme.numbers.rk_relax) particle += OF_NUMBER * (scene->scheme.table->nstate + 1);
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (scene->layout.varies[w]) particle += OF_NUMBER;
   return (PetscReal)scene->layout.particles * particle +
@@ -359,13 +366,17 @@ static PetscErrorCode Migrate(MpmMarch *march)
 
 /*
    Ends a pass after which particles are at new places, each by its own velocity. They migrate before one could go beyond
-   the ghost layer in the next step. They are sorted every few steps.
+   the ghost layer in the next step. They are sorted every few steps. A state that has been relaxed is summed to the grid
+   anew, if it has been already.
 */
-static PetscErrorCode Follow(MpmMarch *march)
+static PetscErrorCode Follow(MpmMarch *march, PetscBool summed)
 {
-  PetscInt beyond;
+  PetscInt  beyond;
+  PetscBool scaled = PETSC_FALSE;
 
   PetscFunctionBegin;
+  if (march->relax) PetscCall(MpmRelaxEnd(march, &scaled));
+  if (scaled && summed) PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
   PetscCall(MpmFiniteAgree(march, &beyond));
   if (march->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
   if (beyond + 1 > march->slack)
@@ -396,6 +407,7 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
   PetscFunctionBegin;
   MpmFloatBegin();
   if (march->watch) MpmFiniteForget(march);
+  if (march->relax) PetscCall(MpmRelaxBegin(march));
   if (sample) PetscCall(PetscArrayzero(march->squares, MPM_MAX_FIELDS));
   for (PetscInt p = 0, n; p < march->schedule.npasses; p += n) {
     const MpmPass *pass = &march->schedule.pass[p];
@@ -403,7 +415,7 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
     for (n = 1; p + n < march->schedule.npasses && pass[n].joined; n++) continue;
     PetscCall(MpmMarchRunPasses(march, n, pass, sample));
     if (pass[n - 1].drifts && march->watch)
-      PetscCall(Follow(march));
+      PetscCall(Follow(march, pass[n - 1].rebase ? PETSC_FALSE : PETSC_TRUE));
     else if (pass[n - 1].rebase)
       PetscCall(Migrate(march));
     if (march->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);

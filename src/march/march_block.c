@@ -106,6 +106,7 @@ static void RunFinite(const MpmStage *s, const MpmPassOp *op, PetscInt begin, Pe
   MpmFiniteBlock        block = {.begin = begin,
                                  .n     = n,
                                  .step  = s->step + after,
+                                 .a     = op->a,
                                  .cell  = {a->cell + begin},
                                  .xi    = {a->xi + begin},
                                  .id    = a->id + begin};

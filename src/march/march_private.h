@@ -10,6 +10,7 @@
 typedef struct MpmRowPlan_       MpmRowPlan;       /* a pass compiled for more than one dimension (march/rows.h) */
 typedef struct MpmImplicitSolve_ MpmImplicitSolve; /* march/implicit_solve.h */
 typedef struct MpmWatch_ MpmWatch; /* what passes find out about particles that move each by itself (march/finite.h) */
+typedef struct MpmRelax_ MpmRelax; /* the increments of a step (march/relax.h) */
 typedef struct MpmCloudPlan_ MpmCloudPlan; /* and for particles that share no coordinate (march/clouds.h) */
 
 /*
@@ -49,6 +50,7 @@ struct MpmMarch_ {
   PetscInt64        step, migrations;
   PetscInt          exponent;
   MpmWatch         *watch;                   /* NULL where particles do not move each by itself */
+  MpmRelax         *relax;                   /* NULL where steps are not relaxed */
   char              failure[512];            /* what has happened to a particle, or to a solve; empty: nothing */
   PetscReal        *scratch;                 /* MPM_BLOCK numbers for each scratch register of the particles */
   PetscReal         squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */

@@ -143,7 +143,8 @@ static void AddFinite(Group *g, const MpmPassOp *op, PetscInt dim)
 
   if (op->kind == MPM_PASS_ADVANCE || Uses(g, op->particle, width.to) || Uses(g, op->other, width.from)) Close(g);
   AddStep(g->plan,
-          (MpmRowStep){.kind = MPM_ROW_FINITE, .finite = op->kind, .particle = op->particle, .other = op->other});
+          (MpmRowStep){
+              .kind = MPM_ROW_FINITE, .finite = op->kind, .particle = op->particle, .other = op->other, .a = op->a});
 }
 
 void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, PetscInt dim, MpmRowPlan *plan)

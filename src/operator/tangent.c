@@ -7,7 +7,7 @@
      G2P    q += a sum w u                 dq += a sum w du + a sum_c (sum w_c u) dx_c
      STRESS t = tau(F)                     dt = sum dtau/dF_ab dF_ab
      LOAD   b                              db = 0
-     STRETCH F = F + L F                   dF = (I + L) dF + dL F
+     STRETCH F = A F, A = I + L + a L L    dF = A dF + (dL + a (dL L + L dL)) F
 
    All weights are those of the start of the step. Operations that are linear with constant numbers are their own
    differentials.
@@ -344,31 +344,71 @@ static PetscErrorCode Stress(Builder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* F_ab += sum_c L_ac F_cb. The lines read a copy of dF, and copies of F and L. */
+/* to_ab += a sum_c L_ac from_cb */
+static PetscErrorCode AddProduct(PetscInt dim, PetscReal a, const Vec L[], const Vec from[], Vec to[])
+{
+  Vec product;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < dim * dim * dim && a != 0; i++) {
+    const PetscInt ab = i / dim, ac = ab / dim * dim + i % dim, cb = i % dim * dim + ab % dim;
+
+    PetscCall(Product(L[ac], from[cb], &product));
+    PetscCall(VecAXPY(to[ab], a, product));
+    PetscCall(VecDestroy(&product));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* dF_ab += a sum_cd L_ad dL_dc F_cb */
+static PetscErrorCode StretchTwice(Builder *b, const MpmOp *op, PetscReal a, const Vec L[], const Vec F[])
+{
+  const PetscInt dim = b->table->dim;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < dim * dim * dim * dim && a != 0; i++) {
+    const PetscInt d = i % dim, c = i / dim % dim, ab = i / dim / dim, ad = ab / dim * dim + d, cb = c * dim + ab % dim;
+    Vec            product;
+
+    PetscCall(Product(L[ad], F[cb], &product));
+    PetscCall(Append(b, op->dst + ab, op->src + d * dim + c, NULL, PETSC_FALSE, product, NULL, a));
+    PetscCall(VecDestroy(&product));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* F <- A F, A - I = L + a L L, is F <- F + L G, G = F + a L F. The lines read a copy of dF, and copies of F and L. */
 static PetscErrorCode Stretch(Builder *b, const MpmOp *op)
 {
-  const PetscInt dim = b->table->dim, n = dim * dim;
-  Vec            F[MPM_MAX_DIM * MPM_MAX_DIM], L[MPM_MAX_DIM * MPM_MAX_DIM], change;
+  const PetscInt  dim = b->table->dim, n = dim * dim;
+  const PetscReal a = MpmOpValue(op, b->courant);
+  Vec             F[MPM_MAX_DIM * MPM_MAX_DIM], L[MPM_MAX_DIM * MPM_MAX_DIM], A[MPM_MAX_DIM * MPM_MAX_DIM],
+      G[MPM_MAX_DIM * MPM_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(Product(b->value[op->dst + i], NULL, &F[i]));
     PetscCall(Product(b->value[op->src + i], NULL, &L[i]));
+    PetscCall(Product(L[i], NULL, &A[i]));
+    PetscCall(Product(F[i], NULL, &G[i]));
     PetscCall(Clear(b, b->slot.copy + i));
     PetscCall(Append(b, b->slot.copy + i, op->dst + i, NULL, PETSC_FALSE, NULL, NULL, 1));
   }
+  PetscCall(AddProduct(dim, a, L, L, A));
+  PetscCall(AddProduct(dim, a, L, F, G));
   for (PetscInt i = 0; i < n * dim; i++) {
     const PetscInt ab = i / dim, ac = ab / dim * dim + i % dim, cb = i % dim * dim + ab % dim;
 
-    PetscCall(Append(b, op->dst + ab, b->slot.copy + cb, NULL, PETSC_FALSE, L[ac], NULL, 1));
-    PetscCall(Append(b, op->dst + ab, op->src + ac, NULL, PETSC_FALSE, F[cb], NULL, 1));
-    PetscCall(Product(L[ac], F[cb], &change));
-    PetscCall(VecAXPY(b->value[op->dst + ab], 1, change));
-    PetscCall(VecDestroy(&change));
+    PetscCall(Append(b, op->dst + ab, b->slot.copy + cb, NULL, PETSC_FALSE, A[ac], NULL, 1));
+    PetscCall(Append(b, op->dst + ab, op->src + ac, NULL, PETSC_FALSE, G[cb], NULL, 1));
   }
+  PetscCall(StretchTwice(b, op, a, L, F));
+  PetscCall(AddProduct(dim, 1, L, G, &b->value[op->dst]));
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(VecDestroy(&F[i]));
     PetscCall(VecDestroy(&L[i]));
+    PetscCall(VecDestroy(&A[i]));
+    PetscCall(VecDestroy(&G[i]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

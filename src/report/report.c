@@ -114,6 +114,9 @@ static void PrintErrors(const MpmRun *run)
     MpmPrint("energy: none, %s; growth is that of the norm of its fields\n",
              run->scene->scheme.formulation->nenergy ? "the stress about a prestressed state does not say it"
                                                      : "the formulation names none");
+  if (run->relaxed)
+    MpmPrint("relaxed: %" PetscInt64_FMT " steps, their increments times %.9g or more\n", run->relaxed,
+             run->least_factor);
   if (run->blew_up_at_step != MPM_NEVER)
     MpmPrint("the state left the range of double precision by step %" PetscInt64_FMT "%s\n", run->blew_up_at_step,
              run->lost ? "; the run stopped there" : "; it was followed by rescaling");

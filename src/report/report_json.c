@@ -111,6 +111,11 @@ static json_t *Run(const MpmRun *run)
   json_object_set_new(object, "energy", json_object());
   MpmJsonSet(object, "energy.initial", run->energy_initial);
   MpmJsonSet(object, "energy.final", run->energy_final);
+  if (run->relaxed) {
+    json_object_set_new(object, "relaxed", json_object());
+    MpmJsonSetCount(object, "relaxed.steps", run->relaxed);
+    MpmJsonSet(object, "relaxed.least_factor", run->least_factor);
+  }
   MpmJsonSet(object, "mass_change", run->mass_change);
   MpmJsonSet(object, "momentum_change", run->momentum_change);
   SetTransfer(object, run);

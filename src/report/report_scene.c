@@ -157,8 +157,10 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request)
   MpmPrint("mpmstab %s %s: ", MPMSTAB_VERSION, request->task);
   PetscCall(PrintFields(s, request, "{formulation}"));
   for (const char *const *reads = s->scheme.formulation->options; *reads; reads++) {
-    char text[64];
+    const MpmField *option = &MpmOptions[MpmOptionIndex(*reads)];
+    char            text[64];
 
+    if (!option->shown(s, MPM_IN_JSON)) continue;
     (void)snprintf(text, sizeof text, ", %s {%s}", *reads, *reads);
     PetscCall(PrintFields(s, request, text));
   }

@@ -101,6 +101,8 @@ WHEN(HasMaterialName, s->law != &MpmLawLinear || HasMaterial(s, in))
 WHEN(HasInclusion, in == MPM_IN_FILE || in == MPM_IN_MODE_FILE || s->layout.material.kind == MPM_MATERIAL_TWO)
 WHEN(HasPrestress, MpmSpaceIsPrestressed(&s->scheme.space))
 WHEN(HasMove, s->scheme.space.displaced || s->scheme.space.finite)
+WHEN(HasMoveShare, MpmFormulationReads(s->scheme.formulation, "move_share") && HasMove(s, in))
+WHEN(HasRelax, s->scheme.numbers.rk_relax)
 WHEN(HasKinematics, s->scheme.space.finite)
 WHEN(HasShape, s->layout.shape)
 WHEN(HasGravity, s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0)
@@ -156,6 +158,10 @@ const MpmField MpmOptions[] = {
    WORDS(MpmRkOnNames), TEXT(RkOnOf), IN(91, 72, 66, 51), SHOWN(HasRk)},
   {"theta", MPM_FRACTION, "1/2", "formulation implicit: the weight of the new velocity; 1/2 is the midpoint rule, 1 is backward Euler",
    BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.theta), IN(92, 73, 67, 52), SHOWN(HasTheta)},
+  {"rk_relax", MPM_SWITCH, "false", "formulation rk with kinematics finite: a step whose increments would raise the energy of the particles takes so much less of them that it does not",
+   .tasks = "run", KEPT(AS_SWITCH, scheme.numbers.rk_relax), IN(94, 75, 69, 0), SHOWN(HasRelax)},
+  {"move_share", MPM_FRACTION, NULL, "formulations verlet and rk, with a prestress or kinematics finite: the share of the new velocity of the grid in that which particles move with, the rest is of the old one (default: verlet 1, rk 1/2)",
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.move_share), IN(93, 74, 68, 53), SHOWN(HasMoveShare)},
   {"dim", MPM_INTEGER, "1", "space dimensions",
    BETWEEN(1, MPM_MAX_DIM), KEPT(AS_COUNT, layout.dim), IN(10, 5, 27, 22), SHOWN(HasDim)},
   {"gradient", MPM_WORD, "basis", "weights of gradient and divergence: of the basis, or mls (those of MLS-MPM, phi (x_i - x_p) / D)",

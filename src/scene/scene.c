@@ -179,7 +179,7 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   PetscCall(CheckAllReads(settings, scheme));
-  PetscCall(MpmSettingsFormulationNumbers(settings, filters, &scheme->numbers));
+  PetscCall(MpmSettingsFormulationNumbers(settings, scheme->formulation, filters, &scheme->numbers));
   if (scene->scheme.transfer->filter)
     PetscCall(MpmSettingsRequire(settings, scene, "transfer", HasFilter,
                                  "FILTER, which says where other transfers than flip act"));

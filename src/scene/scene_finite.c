@@ -21,7 +21,21 @@ static PetscBool HasMove(const MpmFormulation *f)
   return stresses == 1 && MpmFormulationHas(f, MPM_MOVE) && MpmFormulationHas(f, MPM_DRIFT) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Whether an operation reads or writes a stress of the particles otherwise than DIV and GRAD to and from a vector. */
+/* Whether an operation is one of the two that set the stress of a stage to that of the state. */
+static PetscBool SetsStage(const MpmFormulation *f, const MpmOp *op)
+{
+  if (!f->scratch[op->dst] || op->coefficient) return PETSC_FALSE;
+  if (op->kind == MPM_SCALE) return op->factor == 0 && op[1].kind == MPM_ADD && op[1].dst == op->dst;
+  return op->kind == MPM_ADD && op->factor == 1 && !f->scratch[op->src] && op[-1].kind == MPM_SCALE &&
+                 op[-1].dst == op->dst
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/*
+   Whether an operation reads or writes a stress of the particles otherwise than DIV and GRAD to and from a vector, and to
+   set that of a stage.
+*/
 static PetscBool TouchesStress(const MpmFormulation *f, const MpmOp *op)
 {
   const MpmRank *particle = f->particle_ranks, *node = f->node_ranks;
@@ -33,6 +47,7 @@ static PetscBool TouchesStress(const MpmFormulation *f, const MpmOp *op)
     return particle[op->dst] == MPM_TENSOR;
   if (op->kind >= MPM_OP_KINDS) return PETSC_FALSE;
   traits = MpmOpTraitsOf(op->kind);
+  if (traits.dst == MPM_ON_PARTICLES && SetsStage(f, op)) return PETSC_FALSE;
   return (traits.dst == MPM_ON_PARTICLES && particle[op->dst] == MPM_TENSOR) ||
          (traits.src == MPM_ON_PARTICLES && particle[op->src] == MPM_TENSOR);
 }
@@ -192,6 +207,22 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The energy that does not rise is that of the particles alone, and of an affine part whose moment is known. */
+static PetscErrorCode CheckRelax(const MpmSettings *settings, const MpmScene *scene)
+{
+  PetscFunctionBegin;
+  if (!scene->scheme.numbers.rk_relax) PetscFunctionReturn(PETSC_SUCCESS);
+  if (scene->scheme.space.loaded)
+    PetscCall(MpmSettingsRefuse(settings, "rk_relax",
+                                "a body force does work on the particles, so that their energy may rise; allowed: "
+                                "without gravity and with data that have no body force"));
+  if (scene->scheme.transfer->affine && scene->scheme.basis->moment == 0)
+    PetscCall(MpmSettingsRefuse(settings, "rk_relax",
+                                "the moment of the weights, and with it the energy of the affine part, depends on the "
+                                "place with this basis; allowed: basis quadratic or cubic, or another transfer"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
@@ -207,5 +238,6 @@ PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *sce
                       "allowed with kinematics finite: mode, random, manufactured, vortex, simple_wave, "
                       "shock_tube, collision or uniform");
   PetscCall(MpmSettingsReadSolution(settings, scene));
+  PetscCall(CheckRelax(settings, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

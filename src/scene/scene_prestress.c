@@ -115,19 +115,22 @@ static PetscErrorCode CheckTies(const MpmSettings *settings, const MpmScene *sce
 
 PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *scene)
 {
-  MpmSpace *space = &scene->scheme.space;
+  static const char *const moves[] = {"move", "move_share"};
+  MpmSpace                *space   = &scene->scheme.space;
 
   PetscFunctionBegin;
   space->curved    = scene->scheme.basis->kernel[MPM_CURVE] ? PETSC_TRUE : PETSC_FALSE;
   space->displaced = MpmSpaceIsPrestressed(space) && (space->curved || space->dim > 1) ? PETSC_TRUE : PETSC_FALSE;
-  if (MpmSettingsSource(settings, "move") != MPM_FROM_DEFAULT) {
-    if (!space->displaced)
+  for (size_t o = 0; o < PETSC_STATIC_ARRAY_LENGTH(moves); o++)
+    if (MpmSettingsGiven(settings, moves[o]) && MpmSettingsSource(settings, moves[o]) != MPM_FROM_DEFAULT &&
+        !space->displaced)
       PetscCall(MpmSettingsRefuseUnless(
-          settings, "move", "basis",
+          settings, moves[o], "basis",
           "nothing depends on it here; allowed: with a prestress, and with dim 1 another basis than linear"));
-    if (space->move == MPM_MOVES_PROJECTED)
-      PetscCall(MpmSettingsRequire(settings, scene, "move", MpmFormulationIsProjected, "second P2G of the velocity"));
-  }
+  if (space->move == MPM_MOVES_PROJECTED)
+    PetscCall(MpmSettingsRequire(settings, scene, "move", MpmFormulationIsProjected, "second P2G of the velocity"));
+  MpmSettingsRefuseIf(scene->scheme.numbers.rk_relax, settings, "rk_relax",
+                      "a linear step does not raise the energy below its limit; allowed: only with kinematics finite");
   if (!MpmSpaceIsPrestressed(space)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsRequire(settings, scene, scene->law == &MpmLawLinear ? "prestress" : "material", HasMove,
                                "MOVE, which says what velocity particles move with"));

@@ -64,10 +64,11 @@ PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **a
 PetscErrorCode MpmSettingsRefuseKey(const MpmSettings *settings, const char key[], int line);
 
 /*
-   Collective. Sets the numbers of formulations. filters: the transfer has a filter, or makes something else of the nodes, for
+   Collective. Sets the numbers that the formulation is given. filters: the transfer has a filter, or makes something else of the nodes, for
    which stages on particles have no place; such stages are refused then.
 */
-PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, PetscBool filters, MpmSchemeNumbers *numbers);
+PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, const MpmFormulation *formulation,
+                                             PetscBool filters, MpmSchemeNumbers *numbers);
 
 /*
    MpmSettingsKeepScheme    - keeps a scheme that is written in the scene

@@ -47,13 +47,18 @@ static PetscErrorCode UseFile(void *context, yaml_document_t *document, const ya
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, PetscBool filters, MpmSchemeNumbers *numbers)
+PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, const MpmFormulation *formulation,
+                                             PetscBool filters, MpmSchemeNumbers *numbers)
 {
   PetscInt on;
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsReal(settings, "share", &numbers->share));
   PetscCall(MpmSettingsReal(settings, "theta", &numbers->theta));
+  numbers->move_share = formulation->move_share;
+  if (MpmSettingsGiven(settings, "move_share"))
+    PetscCall(MpmSettingsReal(settings, "move_share", &numbers->move_share));
+  PetscCall(MpmSettingsSwitch(settings, "rk_relax", &numbers->rk_relax));
   PetscCall(MpmSettingsWord(settings, "rk", &numbers->rk));
   PetscCall(MpmSettingsWord(settings, "rk_on", &on));
   numbers->rk_on = (MpmRkOn)on;
@@ -77,7 +82,7 @@ static PetscErrorCode Choose(MpmSettings *settings)
   PetscFunctionBegin;
   if (!settings->scheme->nstep) {
     PetscCall(MpmSettingsWord(settings, "formulation", &i));
-    PetscCall(MpmSettingsFormulationNumbers(settings, PETSC_TRUE, &numbers));
+    PetscCall(MpmSettingsFormulationNumbers(settings, MpmFormulations[i], PETSC_TRUE, &numbers));
     numbers.rk_on = MPM_RK_NODES; /* they have a place for the text's filter */
     PetscCall(MpmWrittenAddFormulation(MpmFormulations[i], &numbers, NULL, settings->scheme));
   } else if (settings->scheme->name.line && says != MPM_FROM_DEFAULT) {

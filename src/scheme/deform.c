@@ -16,7 +16,8 @@ PetscReal MpmDeterminant(PetscInt dim, const PetscReal F[])
 }
 
 /* Returns the number of particles whose determinant is not positive and finite, in an integer as wide as the numbers. */
-INLINE PetscInt64 Stretch(const int dim, PetscInt n, PetscReal *const F[], const PetscReal *const L[])
+INLINE PetscInt64 Stretch(const int dim, PetscInt n, const PetscReal twice, PetscReal *const F[],
+                          const PetscReal *const L[])
 {
   PetscReal       *f[9];
   const PetscReal *l[9];
@@ -28,12 +29,17 @@ INLINE PetscInt64 Stretch(const int dim, PetscInt n, PetscReal *const F[], const
   }
   INDEPENDENT for (PetscInt p = 0; p < n; p++)
   {
-    PetscReal old[9], now[9], det;
+    PetscReal old[9], some[9], now[9], det; /* now = old + L some, some = old + twice L old */
 
-    EACH (c, dim * dim) now[c] = old[c] = f[c][p];
+    EACH (c, dim * dim) now[c] = some[c] = old[c] = f[c][p];
+    if (twice != 0) {
+      EACH (a, dim)
+        EACH (b, dim)
+          EACH (c, dim) some[dim * a + b] += twice * l[dim * a + c][p] * old[dim * c + b];
+    }
     EACH (a, dim)
       EACH (b, dim)
-        EACH (c, dim) now[dim * a + b] += l[dim * a + c][p] * old[dim * c + b];
+        EACH (c, dim) now[dim * a + b] += l[dim * a + c][p] * some[dim * c + b];
     EACH (c, dim * dim) f[c][p] = now[c];
     det = Determinant(dim, now);
     bad += det > 0 && det <= PETSC_MAX_REAL ? 0 : 1;
@@ -41,9 +47,15 @@ INLINE PetscInt64 Stretch(const int dim, PetscInt n, PetscReal *const F[], const
   return bad;
 }
 
-PetscInt MpmStretch(PetscInt dim, PetscInt n, PetscReal *const F[], const PetscReal *const L[])
+INLINE PetscInt64 StretchIn(PetscInt dim, PetscInt n, const PetscReal twice, PetscReal *const F[],
+                            const PetscReal *const L[])
 {
-  const PetscInt64 bad = dim == 1 ? Stretch(1, n, F, L) : dim == 2 ? Stretch(2, n, F, L) : Stretch(3, n, F, L);
+  return dim == 1 ? Stretch(1, n, twice, F, L) : dim == 2 ? Stretch(2, n, twice, F, L) : Stretch(3, n, twice, F, L);
+}
+
+PetscInt MpmStretch(PetscInt dim, PetscInt n, PetscReal twice, PetscReal *const F[], const PetscReal *const L[])
+{
+  const PetscInt64 bad = twice == 0 ? StretchIn(dim, n, 0, F, L) : StretchIn(dim, n, twice, F, L);
 
   for (PetscInt p = 0; p < n && bad; p++) {
     PetscReal f[9], det;

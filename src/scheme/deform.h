@@ -3,11 +3,11 @@
 #include <mpmstab/boundary.h>
 
 /*
-   MpmStretch - F <- (I + L) F.
+   MpmStretch - F <- (I + L + twice L L) F.
 
    Not collective. Returns the first particle whose det F is then not positive and finite, or n.
 */
-PetscInt MpmStretch(PetscInt dim, PetscInt n, PetscReal *const F[], const PetscReal *const L[]);
+PetscInt MpmStretch(PetscInt dim, PetscInt n, PetscReal twice, PetscReal *const F[], const PetscReal *const L[]);
 
 /* Not collective. det F of one particle, whose tensor is dim rows of dim numbers. */
 PetscReal MpmDeterminant(PetscInt dim, const PetscReal F[]);

@@ -7,7 +7,7 @@
      field = combination        field += combination        field -= combination
      IMPOSE node                REACT node imposed          FILTER particle node          DRIFT
      FILTER_BEFORE particle node                            FILTER_AFTER particle node
-     MOVE node                  MOVE_PROJECTED node         IMPLICIT node number
+     MOVE [number] node         MOVE_PROJECTED [number] node    IMPLICIT node number
 
    where a combination is a sum of products of numbers, names of parameters, powers of k, and one field each, on which
    P2G, DIV, G2P, GRAD, GRAD ., STRESS GRAD, LAP or SOLVE may act.

@@ -427,7 +427,7 @@ static PetscErrorCode Move(MpmCompiler *c, const MpmLine *line)
   if (!c->written_to[line->field]) Refuse(c, "particles move with %s before the step has set it", node);
   if (c->f->node_ranks[line->field] != MPM_VECTOR)
     Refuse(c, "%s is a %s; allowed: a vector, a velocity of the grid", node, rank_names[c->f->node_ranks[line->field]]);
-  PetscCall(Emit(c, (MpmOp){.kind = line->op, .dst = MPM_NONE, .src = line->field, .factor = 1}));
+  PetscCall(Emit(c, (MpmOp){.kind = line->op, .dst = MPM_NONE, .src = line->field, .factor = line->share}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

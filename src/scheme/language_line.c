@@ -507,16 +507,32 @@ static PetscErrorCode ReadImplicit(Reader *r, MpmLine *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* A field of nodes, and how much of it: 1/2 v_i. */
+static PetscErrorCode ReadShare(Reader *r, MpmLine *line)
+{
+  Value          product;
+  const MpmTerm *term  = &product.term[0];
+  PetscInt       power = 0;
+
+  PetscFunctionBegin;
+  PetscCall(ReadProduct(r, &product));
+  if (product.n != 1 || term->kind != MPM_COPY || !MpmPowersIsOne(&term->factor, &power) || power)
+    MpmRefuseLine(r->written, r->text, "allowed: a field of nodes, or a number times such a field");
+  line->field = term->field;
+  line->share = term->factor.of[0];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ReadStatement(Reader *r, MpmLineKindOf kind, MpmLine *line)
 {
-  const PetscBool bracket =
-      kind != MPM_LINE_DRIFT && kind != MPM_LINE_IMPLICIT && Takes(r, '(') ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool plain   = kind == MPM_LINE_DRIFT || kind == MPM_LINE_IMPLICIT || kind == MPM_LINE_MOVE;
+  const PetscBool bracket = !plain && Takes(r, '(') ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   line->kind = kind;
   if (kind == MPM_LINE_FILTER) PetscCall(ReadField(r, MPM_ON_PARTICLES, &line->field));
-  if (kind == MPM_LINE_IMPOSE || kind == MPM_LINE_REACT || kind == MPM_LINE_MOVE)
-    PetscCall(ReadField(r, MPM_ON_NODES, &line->field));
+  if (kind == MPM_LINE_IMPOSE || kind == MPM_LINE_REACT) PetscCall(ReadField(r, MPM_ON_NODES, &line->field));
+  if (kind == MPM_LINE_MOVE) PetscCall(ReadShare(r, line));
   if (kind == MPM_LINE_FILTER || kind == MPM_LINE_REACT) PetscCall(ReadField(r, MPM_ON_NODES, &line->other));
   if (kind == MPM_LINE_IMPLICIT) PetscCall(ReadImplicit(r, line));
   if (bracket && !Takes(r, ')')) MpmRefuseLine(r->written, r->text, "a bracket is not closed");

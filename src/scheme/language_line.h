@@ -29,7 +29,8 @@ typedef struct {
 /*
    MPM_LINE_SET   - field = terms; with adds field += terms, where 'field -= terms' has become a sum
    MPM_LINE_IMPOSE, MPM_LINE_REACT, MPM_LINE_FILTER, MPM_LINE_MOVE - with their fields; of a FILTER field is that of
-                    particles. op says which of the filters, or of MOVE and MOVE_PROJECTED, it is.
+                    particles. op says which of the filters, or of MOVE and MOVE_PROJECTED, it is; share: how much of a
+                    field particles move with
    MPM_LINE_IMPLICIT - with its field, and its number as the factor of a term
 */
 typedef enum {
@@ -48,6 +49,7 @@ typedef struct {
   MpmPlace      place;
   PetscInt      field, other, nterms;
   PetscBool     adds;
+  PetscReal     share;
   MpmTerm       term[MPM_MOST_TERMS];
 } MpmLine;
 

@@ -78,10 +78,11 @@ PetscErrorCode MpmWrittenLineText(const MpmFormulation *f, const MpmOp *op, size
     PetscCall(PetscSNPrintf(text, room, "IMPOSE %s", f->node_fields[op->dst]));
   else if (op->kind == MPM_REACT)
     PetscCall(PetscSNPrintf(text, room, "REACT %s %s", f->node_fields[op->dst], f->node_fields[op->src]));
-  else if (op->kind == MPM_MOVE || op->kind == MPM_MOVE_PROJECTED)
-    PetscCall(
-        PetscSNPrintf(text, room, "%s %s", op->kind == MPM_MOVE ? "MOVE" : "MOVE_PROJECTED", f->node_fields[op->src]));
-  else if (op->kind == MPM_FILTER || op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
+  else if (op->kind == MPM_MOVE || op->kind == MPM_MOVE_PROJECTED) {
+    PetscCall(FactorText(op, sizeof factor, factor));
+    PetscCall(PetscSNPrintf(text, room, "%s %s%s", op->kind == MPM_MOVE ? "MOVE" : "MOVE_PROJECTED", factor,
+                            f->node_fields[op->src]));
+  } else if (op->kind == MPM_FILTER || op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
     PetscCall(PetscSNPrintf(text, room, "%s %s %s",
                             op->kind == MPM_FILTER ? "FILTER"
                                                    : (op->kind == MPM_FILTER_BEFORE ? "FILTER_BEFORE" : "FILTER_AFTER"),

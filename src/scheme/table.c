@@ -128,7 +128,8 @@ static PetscErrorCode Move(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionBegin;
   if (!b->space->displaced || projected != (b->space->move == MPM_MOVES_PROJECTED)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < b->space->dim; a++)
-    PetscCall(MpmBuilderAppend(b, (MpmOp)G2P(b->table->displacement + a, b->node[op->src] + a, COURANT)));
+    PetscCall(
+        MpmBuilderAppend(b, (MpmOp)G2P_TIMES(b->table->displacement + a, b->node[op->src] + a, op->factor, COURANT)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -376,6 +377,8 @@ static PetscErrorCode Expand(MpmTableBuilder *b, const MpmOp *op)
   PetscCheck(op->axis == 0, PETSC_COMM_SELF, PETSC_ERR_SUP, "the table: formulations name no axis");
   if (op->kind == MPM_DIV && b->space->finite)
     PetscCall(MpmFiniteDiv(b, op));
+  else if (b->space->finite && traits.dst == MPM_ON_PARTICLES && b->formulation->particle_ranks[op->dst] == MPM_TENSOR)
+    PetscCall(MpmFiniteSet(b, op));
   else if (op->kind == MPM_DIV)
     PetscCall(Div(b, op));
   else if (op->kind == MPM_GRAD)

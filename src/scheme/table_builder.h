@@ -10,20 +10,24 @@
 /*S
    MpmTableBuilder - a table in the making.
 
-   particle, node  - particle[f] and node[n]: the first registers of the formulation's fields. Of a stress at finite
-                     deformation they are scratch.
+   particle, node  - particle[f] and node[n]: the first registers of the formulation's fields. Stresses at finite
+                     deformation share some scratch.
    kept            - kept[n]: the node register with the values of node register n from before the wall, or MPM_NONE
    sharp, sharp_at - sharp[n]: the node register that particles take instead of node register n, as it was when the table
                      had sharp_at[n] operations
 
    At finite deformation besides:
 
-   moved, nmoved   - the node fields whose sum is the velocity that particles move with
-   moved_at        - the line of the formulation after which this sum is in the register velocity
+   stretched       - stretched[f]: the first register of the stretch that stress f is the stress of
+   moved, nmoved   - the node fields whose sum is the velocity that particles move with, and the lines MOVE
+   share, moved_at - the share of each of them, and the line of the formulation after which it is in the register velocity
+   nsummed         - the number of them that are in this register
    velocity        - the first of the node registers with the velocity that particles move with, or MPM_NONE
    slope, load, way - the first of the scratch registers with the velocity's slopes in a step, the body force, and the
                      way that particles go in a step
-   stretching      - the slopes are complete, and F is to be stretched by them
+   stretching      - the slopes are complete, and the stretch with this first register is to be stretched by them, or
+                     MPM_NONE
+   staged          - a step has several stages
 S*/
 typedef struct {
   const MpmFormulation   *formulation;
@@ -32,8 +36,10 @@ typedef struct {
   const MpmSpace         *space;
   PetscInt                particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], kept[MPM_MAX_FIELDS], sharp[MPM_MAX_FIELDS],
       sharp_at[MPM_MAX_FIELDS];
-  PetscInt  moved[MPM_MAX_MOVED], nmoved, moved_at, velocity, slope, load, way;
-  PetscBool stretching;
+  PetscInt stretched[MPM_MAX_FIELDS], moved[MPM_MAX_MOVED], moved_at[MPM_MAX_MOVED], nmoved, nsummed, velocity, slope,
+      load, way, stretching;
+  PetscReal share[MPM_MAX_MOVED];
+  PetscBool staged;
   MpmTable *table;
 } MpmTableBuilder;
 
@@ -72,12 +78,14 @@ PetscErrorCode MpmBuilderTerm(MpmTableBuilder *b, const MpmOp *op, PetscInt dst,
    MpmFiniteAddState   - the registers of the stretch, in the place of a stress
    MpmFiniteAddScratch - the scratch registers
    MpmFinitePlan       - finds out what particles move with
+   MpmFiniteSet        - the operations for a stress of a stage that is set to that of the state
    MpmFiniteDiv, MpmFiniteGrad, MpmFiniteMove - the operations for DIV of a stress, GRAD to a stress, and DRIFT
    MpmFiniteBefore     - what must be done before line number o of the formulation, and MpmFiniteAfter: after it
 */
 PetscErrorCode MpmFiniteAddState(MpmTableBuilder *b, PetscInt field);
 PetscErrorCode MpmFiniteAddScratch(MpmTableBuilder *b);
 PetscErrorCode MpmFinitePlan(MpmTableBuilder *b);
+PetscErrorCode MpmFiniteSet(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteGrad(MpmTableBuilder *b, const MpmOp *op, PetscBool begins, PetscBool ends);
 PetscErrorCode MpmFiniteMove(MpmTableBuilder *b);

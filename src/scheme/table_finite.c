@@ -5,12 +5,18 @@
 
      DIV of the stress    tau = tau(F), the Kirchhoff stress of the material; then DIV of tau, whose weight is the volume at
                           rest, since V sigma = V0 tau; and P2G of the body force, where there is one
-     GRAD to the stress   L = k sum_i v_i dphi_ip, of all GRADs that follow one another; then F <- (I + L) F
-     MOVE                 the velocity that particles move with, a sum of node fields
+     GRAD to the stress   L = k sum_i v_i dphi_ip, of all GRADs that follow one another; then F <- (I + L) F, and in a step
+                          of several stages F <- (I + L + L L / 2) F
+     q = s + GRAD         the stress of a stage: the same of a copy of F
+     MOVE                 the velocity that particles move with, a sum of shares of node fields
      DRIFT                x <- x + k sum_i phi_ip of that velocity
 
-   tau, L and the way that particles go are scratch: they live for one pass over the particles. So L and this way are
-   found next to one another at the end of a step, and F is stretched after that.
+   tau, L, copies of F and the way that particles go are scratch: they live for one pass over the particles. So L and this
+   way are found next to one another at the end of a step, and F is stretched after that.
+
+   Stages: a Runge-Kutta stage F + c L F' has the F' of the stage before it, which is no more. (I + c L + (c L)^2 / 2) F
+   differs from it by as much as both differ from the solution: such a step has order two in time, as has the motion of
+   particles once a step.
 
    Source: Sulsky, Chen and Schreyer 1994; the notation is that of de Vaucorbeil et al. 2020, section 2.
 */
@@ -50,11 +56,19 @@ PetscErrorCode MpmFiniteAddScratch(MpmTableBuilder *b)
   const MpmFormulation *f   = b->formulation;
   MpmTable             *t   = b->table;
   const PetscInt        dim = t->dim;
+  PetscInt              tau;
 
   PetscFunctionBegin;
-  for (PetscInt field = 0; f->particle_fields[field]; field++)
-    if (f->particle_ranks[field] == MPM_TENSOR)
-      PetscCall(AddVector(t, MpmSpaceComponents(b->space, MPM_TENSOR), &b->particle[field]));
+  PetscCall(AddVector(t, MpmSpaceComponents(b->space, MPM_TENSOR), &tau));
+  for (PetscInt field = 0; f->particle_fields[field]; field++) {
+    if (f->particle_ranks[field] != MPM_TENSOR) continue;
+    b->particle[field]  = tau;
+    b->stretched[field] = t->stretch;
+    if (!f->scratch[field]) continue;
+    PetscCall(AddVector(t, dim * dim, &b->stretched[field]));
+    b->staged = PETSC_TRUE;
+  }
+  b->stretching = MPM_NONE;
   PetscCall(AddVector(t, dim * dim, &b->slope));
   PetscCall(AddVector(t, dim, &b->way));
   b->load = MPM_NONE;
@@ -72,24 +86,39 @@ static PetscBool WritesNode(const MpmOp *op, PetscInt node)
   return op->kind < MPM_OP_KINDS && MpmOpTraitsOf(op->kind).dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Whether a line from first on, and before end, writes a node field that particles move with; last: the last such line. */
-static PetscBool WritesMoved(const MpmTableBuilder *b, PetscInt first, PetscInt end, PetscInt *last)
+/* The last of the lines from first on, and before end, that writes a node field; MPM_NONE: there is none. */
+static PetscInt LastWrite(const MpmTableBuilder *b, PetscInt node, PetscInt first, PetscInt end)
 {
-  *last = MPM_NONE;
+  PetscInt last = MPM_NONE;
+
   for (PetscInt o = first; o < end; o++)
-    for (PetscInt m = 0; m < b->nmoved; m++)
-      if (WritesNode(&b->formulation->ops[o], b->moved[m])) *last = o;
-  return *last != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
+    if (WritesNode(&b->formulation->ops[o], node)) last = o;
+  return last;
+}
+
+/* Lines MOVE that follow one another are kept together: after the line on nodes before them, or as soon as all are there. */
+static void PlanMove(MpmTableBuilder *b, PetscInt o, MpmOpKind kind)
+{
+  const MpmOp   *ops  = b->formulation->ops;
+  const PetscInt m    = b->nmoved++;
+  PetscInt       last = LastWrite(b, ops[o].src, 0, o);
+
+  b->moved[m] = ops[o].src;
+  b->share[m] = ops[o].factor;
+  if (o > 0 && WritesNode(&ops[o - 1], ops[o - 1].dst)) last = o - 1;
+  if (m > 0 && ops[o - 1].kind == kind) last = PetscMax(last, b->moved_at[m - 1]);
+  for (PetscInt i = m - 1; i >= 0 && ops[o - m + i].kind == kind; i--) b->moved_at[i] = last;
+  b->moved_at[m] = last;
 }
 
 /*
    Where one node field is the velocity, and keeps it to the end of the step, particles move with it. Else the sum is
-   kept in a node field of its own, as soon as all its terms are there.
+   kept in a node field of its own.
 */
 PetscErrorCode MpmFinitePlan(MpmTableBuilder *b)
 {
   const MpmOpKind kind  = b->space->move == MPM_MOVES_PROJECTED ? MPM_MOVE_PROJECTED : MPM_MOVE;
-  PetscInt        first = MPM_NONE, last;
+  PetscInt        first = MPM_NONE;
 
   PetscFunctionBegin;
   for (PetscInt o = 0; o < b->formulation->nops; o++) {
@@ -97,14 +126,15 @@ PetscErrorCode MpmFinitePlan(MpmTableBuilder *b)
     if (first == MPM_NONE) first = o;
     MpmCheckInput(b->nmoved < MPM_MAX_MOVED, "%s: more than %d lines MOVE, with kinematics finite; allowed: fewer",
                   b->table->where, MPM_MAX_MOVED);
-    b->moved[b->nmoved++] = b->formulation->ops[o].src;
+    PlanMove(b, o, kind);
   }
   PetscCheck(b->nmoved && b->formulation->node_ranks[b->moved[0]] == MPM_VECTOR, PETSC_COMM_SELF, PETSC_ERR_SUP,
              "the table: no line says what particles move with");
-  b->moved_at = MPM_NONE;
   b->velocity = b->node[b->moved[0]];
-  if (b->nmoved == 1 && !WritesMoved(b, first, b->formulation->nops, &last)) PetscFunctionReturn(PETSC_SUCCESS);
-  (void)WritesMoved(b, 0, first, &b->moved_at);
+  if (b->nmoved == 1 && b->share[0] == 1 && LastWrite(b, b->moved[0], first, b->formulation->nops) == MPM_NONE) {
+    b->nsummed = 1;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmTableNode(b->table, b->node[b->moved[0]], &b->velocity));
   for (PetscInt a = 1; a < b->space->dim; a++) {
     PetscInt node;
@@ -117,13 +147,12 @@ PetscErrorCode MpmFinitePlan(MpmTableBuilder *b)
 PetscErrorCode MpmFiniteAfter(MpmTableBuilder *b, PetscInt o)
 {
   PetscFunctionBegin;
-  if (b->moved_at == MPM_NONE || o < b->moved_at) PetscFunctionReturn(PETSC_SUCCESS);
-  b->moved_at = MPM_NONE;
-  for (PetscInt m = 0; m < b->nmoved; m++)
+  for (; b->nsummed < b->nmoved && o >= b->moved_at[b->nsummed]; b->nsummed++)
     for (PetscInt a = 0; a < b->space->dim; a++) {
-      MpmOp op = COPY(b->velocity + a, b->node[b->moved[m]] + a);
+      MpmOp op = COPY(b->velocity + a, b->node[b->moved[b->nsummed]] + a);
 
-      op.accumulates = m ? PETSC_TRUE : PETSC_FALSE;
+      op.factor      = b->share[b->nsummed];
+      op.accumulates = b->nsummed ? PETSC_TRUE : PETSC_FALSE;
       PetscCall(MpmTableAppend(b->table, op));
     }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -131,14 +160,14 @@ PetscErrorCode MpmFiniteAfter(MpmTableBuilder *b, PetscInt o)
 
 /* ---- operations ---- */
 
-/* F <- (I + L) F, when the slopes L are complete. */
+/* F <- (I + L) F or (I + L + L L / 2) F, when the slopes L are complete. */
 static PetscErrorCode Stretch(MpmTableBuilder *b)
 {
   PetscFunctionBegin;
-  if (b->stretching)
-    PetscCall(MpmTableAppendOwn(b->table,
-                                (MpmOp){.kind = MPM_STRETCH, .dst = b->table->stretch, .src = b->slope, .factor = 1}));
-  b->stretching = PETSC_FALSE;
+  if (b->stretching != MPM_NONE)
+    PetscCall(MpmTableAppendOwn(
+        b->table, (MpmOp){.kind = MPM_STRETCH, .dst = b->stretching, .src = b->slope, .factor = b->staged ? 0.5 : 0}));
+  b->stretching = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -146,6 +175,19 @@ PetscErrorCode MpmFiniteBefore(MpmTableBuilder *b, const MpmOp *op)
 {
   PetscFunctionBegin;
   if (op->kind != MPM_MOVE && op->kind != MPM_MOVE_PROJECTED && op->kind != MPM_DRIFT) PetscCall(Stretch(b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFiniteSet(MpmTableBuilder *b, const MpmOp *op)
+{
+  MpmOp one = *op;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < b->space->dim * b->space->dim; c++) {
+    one.dst = b->stretched[op->dst] + c;
+    one.src = b->stretched[op->src] + c;
+    PetscCall(MpmTableAppendOwn(b->table, one));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -157,7 +199,7 @@ PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
   PetscCheck(b->formulation->node_ranks[op->dst] == MPM_VECTOR && b->formulation->particle_ranks[op->src] == MPM_TENSOR,
              PETSC_COMM_SELF, PETSC_ERR_SUP, "the table: at finite deformation DIV makes a vector of a stress");
   PetscCall(
-      MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_STRESS, .dst = tau, .src = b->table->stretch, .factor = 1}));
+      MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_STRESS, .dst = tau, .src = b->stretched[op->src], .factor = 1}));
   if (b->space->loaded)
     PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = 1}));
   for (PetscInt a = 0; a < dim; a++) {
@@ -188,14 +230,15 @@ PetscErrorCode MpmFiniteGrad(MpmTableBuilder *b, const MpmOp *op, PetscBool begi
     PetscInt sharp; /* what a transfer makes of the nodes comes before the scratch begins */
 
     PetscCall(MpmBuilderSharpen(b, b->node[op->src] + a, &sharp));
-    if (b->moved_at == MPM_NONE) PetscCall(MpmBuilderSharpen(b, b->velocity + a, &sharp));
+    if (b->nsummed == b->nmoved && !b->formulation->scratch[op->dst])
+      PetscCall(MpmBuilderSharpen(b, b->velocity + a, &sharp));
   }
   for (PetscInt c = 0; c < dim * dim && begins; c++)
     PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->slope + c, 0)));
   for (PetscInt a = 0; a < dim; a++)
     for (PetscInt axis = 0; axis < dim; axis++)
       PetscCall(MpmBuilderTerm(b, &slope, b->slope + dim * a + axis, b->node[op->src] + a, axis, 1, PETSC_TRUE));
-  if (ends) b->stretching = PETSC_TRUE;
+  if (ends) b->stretching = b->stretched[op->dst];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

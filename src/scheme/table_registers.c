@@ -218,6 +218,7 @@ static PetscErrorCode AddScratch(MpmTableBuilder *b, PetscInt field)
   PetscFunctionBegin;
   for (PetscInt o = 0; o < f->nops; o++)
     if (f->ops[o].kind == MPM_SCALE && f->ops[o].dst == field) used = PETSC_TRUE;
+  if (b->space->finite && f->particle_ranks[field] == MPM_TENSOR) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt c = 0; c < MpmBuilderComponents(b, PETSC_FALSE, field) && used; c++) {
     PetscInt scratch;
 

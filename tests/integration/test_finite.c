@@ -126,7 +126,15 @@ static PetscErrorCode CheckSteps(const char options[], PetscInt steps)
 
 static PetscErrorCode TestSteps(void)
 {
-  static const char *const        schemes[]   = {"usl", "usf", "musl", "musl -move projected", "usavg"},
+  static const char *const        schemes[]   = {"usl",
+                                                 "usf",
+                                                 "musl",
+                                                 "musl -move projected",
+                                                 "usavg",
+                                                 "verlet",
+                                                 "verlet -move_share 1",
+                                                 "rk -rk_on nodes",
+                                                 "rk -rk_on nodes -rk kg5 -move_share 0.8"},
                            *const transfers[] = {"flip", "pic", "apic", "blend", "xpic", "tpic", "aflip", "fmpm"},
                            *const bases[]     = {"linear", "quadratic", "cubic", "gimp"},
                            *const materials[] = {"neo -lame_ratio 0.7", "gas", "tait", "polytropic"},

@@ -115,8 +115,9 @@ static PetscBool CanBe(const MpmFormulation *f, const MpmTransfer *t, const char
   return strstr(end, "free") && !f->free_ends ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* The text of a formulation with its numbers, under another name, is the scheme that the program has. */
-static PetscErrorCode CheckThereAndBack(const MpmFormulation *f, const MpmSchemeNumbers *numbers, const char said[])
+/* The text of a formulation with its numbers, under another name, is the scheme that the program has. both: keys of both. */
+static PetscErrorCode CheckThereAndBack(const MpmFormulation *f, const MpmSchemeNumbers *numbers, const char said[],
+                                        const char both[])
 {
   static const char *const ends[] = {"periodic", "fixed", "[fixed_reaction, free]", "symmetry"};
   MpmWritten              *written;
@@ -126,6 +127,7 @@ static PetscErrorCode CheckThereAndBack(const MpmFormulation *f, const MpmScheme
   PetscCall(PetscSNPrintf(plain, sizeof plain, "formulation: %s\n%s", f->name, said));
   for (PetscInt t = 0; MpmTransfers[t]; t++) {
     if (numbers->rk_on == MPM_RK_PARTICLES && MpmTransfers[t]->filter) continue;
+    if (*both && (MpmTransfers[t]->same_as || MpmTransfers[t]->sharpen)) continue; /* no step, or too many registers */
     PetscCall(MpmWrittenFromFormulation(f, numbers, MpmTransfers[t], &written));
     written->name.text[0] = 'w';
     PetscCall(MpmWrittenYaml(written, &yaml));
@@ -135,8 +137,8 @@ static PetscErrorCode CheckThereAndBack(const MpmFormulation *f, const MpmScheme
 
         if (!CanBe(f, MpmTransfers[t], ends[e])) continue;
         if (dim > 1 && ends[e][0] == '[') continue;
-        PetscCall(PetscSNPrintf(keys, sizeof keys, "dim: %d\ntransfer: %s\nboundary: %s\ncells: 8\n", (int)dim,
-                                MpmTransfers[t]->name, ends[e]));
+        PetscCall(PetscSNPrintf(keys, sizeof keys, "dim: %d\ntransfer: %s\nboundary: %s\ncells: 8\n%s", (int)dim,
+                                MpmTransfers[t]->name, ends[e], both));
         PetscCall(SceneOf(yaml, keys, &scenes[0]));
         PetscCall(SceneOf(plain, keys, &scenes[1]));
         CHECK(scenes[0]->written && !scenes[1]->written, "%s: written", f->name);
@@ -152,26 +154,33 @@ static PetscErrorCode CheckThereAndBack(const MpmFormulation *f, const MpmScheme
 /* Each formulation as it is by default, verlet with each share that has another table, and each method of rk. */
 static PetscErrorCode CheckAllThereAndBack(void)
 {
-  MpmSchemeNumbers numbers = {.share = 0.5, .rk = MPM_RK_USUAL, .theta = 0.5};
+  MpmSchemeNumbers numbers = {.share = 0.5, .rk = MPM_RK_USUAL, .theta = 0.5, .move_share = 0.5};
   char             said[64];
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; MpmFormulations[f]; f++) PetscCall(CheckThereAndBack(MpmFormulations[f], &numbers, ""));
+  for (PetscInt f = 0; MpmFormulations[f]; f++) PetscCall(CheckThereAndBack(MpmFormulations[f], &numbers, "", ""));
   for (int tenths = 0; tenths <= 10; tenths += 5) {
     numbers.share = tenths / 10.0;
     PetscCall(PetscSNPrintf(said, sizeof said, "share: %g\n", (double)numbers.share));
-    PetscCall(CheckThereAndBack(MpmFormulationFind("verlet"), &numbers, said));
+    PetscCall(CheckThereAndBack(MpmFormulationFind("verlet"), &numbers, said, ""));
   }
   for (int tenths = 0; tenths <= 10; tenths += 5) {
     numbers.theta = tenths / 10.0;
     PetscCall(PetscSNPrintf(said, sizeof said, "theta: %g\n", (double)numbers.theta));
-    PetscCall(CheckThereAndBack(MpmFormulationFind("implicit"), &numbers, said));
+    PetscCall(CheckThereAndBack(MpmFormulationFind("implicit"), &numbers, said, ""));
   }
+  numbers.share = 0.5;
+  for (numbers.move_share = 0; numbers.move_share <= 1; numbers.move_share += 0.25) {
+    PetscCall(PetscSNPrintf(said, sizeof said, "move_share: %g\n", (double)numbers.move_share));
+    PetscCall(CheckThereAndBack(MpmFormulationFind("verlet"), &numbers, said, "kinematics: finite\n"));
+    PetscCall(CheckThereAndBack(MpmFormulationFind("rk"), &numbers, said, "kinematics: finite\n"));
+  }
+  numbers.move_share = 0.5;
   for (numbers.rk = 0; MpmRkWord(numbers.rk); numbers.rk++)
     for (numbers.rk_on = MPM_RK_AUTO; MpmRkOnNames[numbers.rk_on]; numbers.rk_on++) {
       PetscCall(
           PetscSNPrintf(said, sizeof said, "rk: %s\nrk_on: %s\n", MpmRkWord(numbers.rk), MpmRkOnNames[numbers.rk_on]));
-      PetscCall(CheckThereAndBack(MpmFormulationFind("rk"), &numbers, said));
+      PetscCall(CheckThereAndBack(MpmFormulationFind("rk"), &numbers, said, ""));
     }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -170,7 +170,17 @@ static PetscErrorCode CheckClosedForm(const char options[])
 
 static PetscErrorCode CheckClosedForms(void)
 {
-  static const char *const schemes[] = {"usl", "usf", "musl", "usavg", "musl -move projected", "usavg -move projected"};
+  static const char *const schemes[] = {"usl",
+                                        "usf",
+                                        "musl",
+                                        "usavg",
+                                        "musl -move projected",
+                                        "usavg -move projected",
+                                        "verlet",
+                                        "verlet -share 0.3 -move_share 1/2",
+                                        "rk",
+                                        "rk -move_share 0.8",
+                                        "rk -rk_on nodes -rk kg5 -move_share 0.8"};
   static const char *const kinds[]   = {"-basis quadratic -offset 0.3", "-basis cubic -transfer pic -ppc 3",
                                         "-basis quadratic -transfer apic -gradient mls",
                                         "-basis gimp -offset 0.35 -transfer blend",

@@ -340,8 +340,8 @@ static PetscErrorCode CheckRun(const char options[])
 static PetscErrorCode CheckTangents(void)
 {
   static const char *const spaces[]  = {"-cells 7 -ppc 2", "-dim 2 -cells 5,4 -ppc 2", "-dim 3 -cells 3,4,3 -ppc 1"};
-  static const PetscInt    every[]   = {1, 4, 8};
-  static const char *const schemes[] = {"usl", "usf", "musl", "usavg"};
+  static const PetscInt    every[]   = {1, 5, 10};
+  static const char *const schemes[] = {"usl", "usf", "musl", "usavg", "verlet", "rk -rk_on nodes -move_share 0.8"};
   static const char *const kinds[]   = {"-basis quadratic",
                                         "-basis cubic -transfer pic",
                                         "-basis quadratic -transfer apic -gradient mls -boundary fixed",
@@ -355,7 +355,7 @@ static PetscErrorCode CheckTangents(void)
 
   PetscFunctionBegin;
   for (PetscInt d = 0; d < 3; d++)
-    for (PetscInt i = d; i < 4 * nkinds; i += every[d]) { /* 4 and 7 have no divisor in common */
+    for (PetscInt i = d; i < 6 * nkinds; i += every[d]) { /* 6 and 7 have no divisor in common */
       PetscBool turn = PETSC_FALSE;
 
       PetscCall(HasTurn(taken++, &turn));
@@ -363,7 +363,7 @@ static PetscErrorCode CheckTangents(void)
       PetscCall(
           PetscSNPrintf(options, sizeof options,
                         "-kinematics finite -material neo -lame_ratio 0.7 %s -formulation %s %s -jitter 0.2 -seed 3",
-                        spaces[d], schemes[i % 4], kinds[i % nkinds]));
+                        spaces[d], schemes[i % 6], kinds[i % nkinds]));
       PetscCall(CheckTangent(options));
     }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -375,6 +375,9 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCheck(argc > 1, PETSC_COMM_WORLD, PETSC_ERR_USER, "tangent FILE");
   PetscCall(SlepcInitializeNoArguments());
   PetscCall(CheckTangents());
+  PetscCall(
+      CheckTangent("-kinematics finite -material neo -lame_ratio 0.7 -formulation rk -rk kg5 -basis quadratic -dim 2 "
+                   "-cells 5,4 -jitter 0.2 -boundary fixed,periodic"));
   PetscCall(OracleGrowthNonlinear(argv[1], 43, CheckRow));
   PetscCall(
       CheckRun("-kinematics finite -material neo -formulation usl -basis cubic -offset 0.3 -cells 6 -mode 1 -amplitude "

@@ -218,16 +218,26 @@ static inline void FiniteOnNodes(Finite *s, const MpmOp *op, double a)
   }
 }
 
-static inline void FiniteStretch(Finite *s, const MpmOp *op, PetscInt id)
+/* F <- F + L F + a L (L F) */
+static inline void FiniteStretch(Finite *s, const MpmOp *op, double twice, PetscInt id)
 {
-  const PetscInt dim = s->scene->layout.dim;
+  const PetscInt dim     = s->scene->layout.dim;
+  const double   part[2] = {1, twice};
   double complex F[9];
 
   for (PetscInt c = 0; c < dim * dim; c++) F[c] = s->q[(op->dst + c) * s->n + id];
-  for (PetscInt a = 0; a < dim; a++)
-    for (PetscInt b = 0; b < dim; b++)
-      for (PetscInt c = 0; c < dim; c++)
-        s->q[(op->dst + dim * a + b) * s->n + id] += s->q[(op->src + dim * a + c) * s->n + id] * F[dim * c + b];
+  for (int power = 0; power < 2; power++) {
+    double complex LF[9] = {0};
+
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt b = 0; b < dim; b++)
+        for (PetscInt c = 0; c < dim; c++)
+          LF[dim * a + b] += s->q[(op->src + dim * a + c) * s->n + id] * F[dim * c + b];
+    for (PetscInt c = 0; c < dim * dim; c++) {
+      s->q[(op->dst + c) * s->n + id] += part[power] * LF[c];
+      F[c] = LF[c];
+    }
+  }
 }
 
 static inline void FiniteOnParticles(Finite *s, const MpmOp *op, double a)
@@ -246,7 +256,7 @@ static inline void FiniteOnParticles(Finite *s, const MpmOp *op, double a)
     } else if (op->kind == MPM_LOAD)
       for (PetscInt c = 0; c < dim; c++) s->q[(op->dst + c) * n + id] = unit * scene->gravity[c];
     else if (op->kind == MPM_STRETCH)
-      FiniteStretch(s, op, id);
+      FiniteStretch(s, op, a, id);
     else if (op->kind == MPM_ADVANCE)
       for (PetscInt c = 0; c < dim; c++) s->x[dim * id + c] += s->q[(op->src + c) * n + id];
     else if (op->kind == MPM_ADD && op->dst != op->src)

@@ -126,6 +126,9 @@ static PetscErrorCode CheckLines(void)
       {4, "v += GRAD ; a_i", "';' is not expected here"},
       {4, "v += STRESS DIV a_i", "STRESS acts on a gradient; allowed: STRESS GRAD field"},
       {4, "v += 0.5", "there is no field on its right side"},
+      {4, "MOVE k v_i", "allowed: a field of nodes, or a number times such a field"},
+      {4, "MOVE v_i + a_i", "'+ a_i' is not expected here"},
+      {4, "MOVE (1 - 0.5) v", "allowed: a field of nodes, or a number times such a field"},
       {4, "v = (1 - k + k^2) v + G2P a_i", "the factor of v has three powers of k; allowed: two"},
       {4, "v += ((((((((((((((((((((((((((((G2P a_i", "too many brackets inside one another"},
   };

@@ -87,8 +87,9 @@ static void Stage(Table *t, PetscBool on_nodes, PetscReal c, PetscInt from, Pets
 static PetscInt Lines(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer, MpmOp lines[])
 {
   const PetscBool on_nodes = MpmRkIsOnNodes(numbers, transfer);
-  PetscInt        from     = V_I;
-  Table           t        = {.line = lines};
+  const PetscReal share    = numbers->move_share;
+  PetscInt        from = V_I, other = MPM_NONE;
+  Table           t = {.line = lines};
 
   Put(&t, (MpmOp)P2G(V_I, V));                /* 1. v_i = sum_p S_ip v_p                   */
   Put(&t, (MpmOp)IMPOSE(V_I));                /*    v_i = 0 at fixed ends                  */
@@ -101,16 +102,25 @@ static PetscInt Lines(const MpmSchemeNumbers *numbers, const MpmTransfer *transf
     Stage(&t, on_nodes, methods[numbers->rk].c[j], from, to);
     from = to;
   }
+  if (share != 0.5) { /* n_i = v_i + a_i, in the place of the stage before */
+    other = from == W_I ? U_I : W_I;
+    Put(&t, (MpmOp)COPY(other, V_I));
+    Put(&t, (MpmOp)ADD(other, A_I));
+    Put(&t, (MpmOp)IMPOSE(other));
+  }
   Put(&t, (MpmOp)G2P(V, A_I, ONE));       /* 4. v_p += sum_i S_ip a_i            */
   Put(&t, (MpmOp)GRAD(S, from, COURANT)); /* 5. s_p += k sum_i dS_ip/dx w_i      */
-  Put(&t, (MpmOp)MOVE(from));             /* 6. x_p += dt sum_i S_ip w_i         */
-  Put(&t, (MpmOp)DRIFT);                  /*    of which U0 dt is known          */
+  if (share != 1)                         /* 6. x_p += dt sum_i S_ip (w_i + (2 m - 1) (n_i - w_i)) */
+    Put(&t, (MpmOp)MOVE_TIMES(from, 2 - 2 * share));
+  if (share != 0.5) Put(&t, (MpmOp)MOVE_TIMES(other, 2 * share - 1));
+  Put(&t, (MpmOp)DRIFT); /*    of which U0 dt is known          */
   return t.n;
 }
 
 /*
    A step takes the node's velocity v and force b = - a to M (v, b): run on (1, 0) and on (0, 1). The velocity of a stage
-   changes by - c b on nodes, and by - c alpha b by way of the particles.
+   changes by - c b on nodes, and by - c alpha b by way of the particles. Particles move with w + (2 m - 1) (v - b - w), m =
+   move_share.
 */
 static void Step(const MpmCellSymbols *cell, PetscReal k, double complex *trace, double complex *det)
 {
@@ -132,7 +142,7 @@ static void Step(const MpmCellSymbols *cell, PetscReal k, double complex *trace,
       wv = next;
     }
     m[start][0] = cell->filter * v - cell->alpha * wb;
-    m[start][1] = b + (s + x) * wv;
+    m[start][1] = b + s * wv + x * (wv + (2 * numbers->move_share - 1) * (v - wb - wv));
   }
   *trace = m[0][0] + m[1][1];
   *det   = m[0][0] * m[1][1] - m[0][1] * m[1][0];
@@ -193,7 +203,8 @@ const MpmFormulation MpmRk = {
     .scratch         = {[P] = PETSC_TRUE, [Q] = PETSC_TRUE},
     .node_fields     = {"v_i", "a_i", "w_i", "u_i"},
     .node_ranks      = {MPM_VECTOR, MPM_VECTOR, MPM_VECTOR, MPM_VECTOR},
-    .options         = {"rk", "rk_on"},
+    .options         = {"rk", "rk_on", "rk_relax", "move_share"},
+    .move_share      = 0.5,
     .lines           = Lines,
     .staggered       = MPM_NONE,
     MOMENTUM_PROBLEM,

@@ -20,28 +20,33 @@ static const MpmOp ops[] = {
     HALF_GRAD(S, V_I, COURANT), /* 2. s_p += (1 - w) k sum_i dS_ip/dx v_i          */
     MINUS_DIV(A_I, S, COURANT), /* 3. a_i  = - k sum_p V_p dS_ip/dx s_p            */
     REACT(A_I, V_I),            /*    a_i  = 0 at fixed ends, or the reaction      */
+    MOVE(V_I),                  /*    x_p += (1 - m) dt sum_i S_ip v_i             */
     ADD(V_I, A_I),              /* 4. v_i += a_i                                   */
     IMPOSE(V_I),                /*    v_i  = 0 at fixed ends                       */
     G2P(V, A_I, ONE),           /* 5. v_p += sum_i S_ip a_i                        */
     HALF_GRAD(S, V_I, COURANT), /* 6. s_p += w k sum_i dS_ip/dx v_i                */
-    MOVE(V_I),                  /* 7. x_p += dt sum_i S_ip v_i                     */
+    MOVE(V_I),                  /* 7. x_p += m dt sum_i S_ip v_i                   */
     DRIFT,                      /*    of which U0 dt is known                      */
 };
 
-/* The table with its two parts of the strain; none of them where it is 0. */
+/* The table with the two parts of the strain and of the motion; none of them where it is 0. */
 static PetscInt Lines(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer, MpmOp lines[])
 {
-  PetscReal part = 1 - numbers->share;
-  PetscInt  n    = 0;
+  PetscReal strain = 1 - numbers->share, way = 1 - numbers->move_share;
+  PetscInt  n = 0;
 
   (void)transfer;
   for (size_t o = 0; o < PETSC_STATIC_ARRAY_LENGTH(ops); o++) {
     lines[n] = ops[o];
     if (ops[o].kind == MPM_GRAD) {
-      lines[n].factor = part;
-      part            = numbers->share;
+      lines[n].factor = strain;
+      strain          = numbers->share;
     }
-    if (lines[n].kind != MPM_GRAD || lines[n].factor != 0) n++;
+    if (ops[o].kind == MPM_MOVE) {
+      lines[n].factor = way;
+      way             = numbers->move_share;
+    }
+    if ((lines[n].kind != MPM_GRAD && lines[n].kind != MPM_MOVE) || lines[n].factor != 0) n++;
   }
   return n;
 }
@@ -49,16 +54,17 @@ static PetscInt Lines(const MpmSchemeNumbers *numbers, const MpmTransfer *transf
 /*
    A step takes the node's velocity v and force b = - a of the strain so far to
 
-     a = - b - p v,    v' = f v + alpha a,    b' = b + p v + q (v + a)
+     a = - b - p v,    v' = f v + alpha a,    b' = b + p v + q (v + a) + x (v + m a)
 
-   with p = (1 - w) k^2 kappa and q = k^2 (w kappa + chi).
+   with p = (1 - w) k^2 kappa, q = w k^2 kappa, x = k^2 chi, and m the share of the new velocity that particles move with.
 */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
-  const PetscReal      f = cell->filter, w = cell->numbers->share, p = (1 - w) * k * k * cell->kappa;
-  const double complex q = k * k * (w * cell->kappa + cell->chi);
+  const PetscReal f = cell->filter, w = cell->numbers->share, m = cell->numbers->move_share,
+                  p = (1 - w) * k * k * cell->kappa, q = w * k * k * cell->kappa;
+  const double complex x = k * k * cell->chi;
 
-  return MpmQuadraticRadius(1 + f - cell->alpha * p - q, f - (f - cell->alpha) * q);
+  return MpmQuadraticRadius(1 + f - cell->alpha * p - q - m * x, f - (f - cell->alpha) * q - (m * f - cell->alpha) * x);
 }
 
 /* The limit is where Jury's condition trace >= -(1 + det) holds with equality. */
@@ -72,10 +78,11 @@ static PetscReal Limit(const MpmCellSymbols *cell)
 const MpmFormulation MpmVerlet = {.name = "verlet",
                                   .summary =
                                       "momentum, part of the stress before the force and the rest (share) after it",
-                                  .reference = "Verlet 1967; on a grid docs/theory.md, section 12",
-                                  .staggered = MPM_NONE,
-                                  .options   = {"share"},
-                                  .lines     = Lines,
+                                  .reference  = "Verlet 1967; on a grid docs/theory.md, section 12",
+                                  .staggered  = MPM_NONE,
+                                  .options    = {"share", "move_share"},
+                                  .move_share = 1,
+                                  .lines      = Lines,
                                   MOMENTUM,
                                   .corrected_text = "tr = 1 + f - (alpha (1 - w) + w) s, det = f - w (f - alpha) s, "
                                                     "s = k^2 kappa, w = share",
