@@ -68,7 +68,7 @@ static PetscBool LeavesStress(const MpmFormulation *f)
 
 static PetscBool IsExplicit(const MpmFormulation *f)
 {
-  return HasMove(f) && !MpmFormulationHas(f, MPM_IMPLICIT) ? PETSC_TRUE : PETSC_FALSE;
+  return LeavesStress(f) && !MpmFormulationHas(f, MPM_IMPLICIT) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene)

@@ -197,7 +197,7 @@ static PetscErrorCode StepNorm(const char options[], PetscInt step, PetscReal D,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const PetscReal   courants[] = {0.3, 2, 20};
+static const PetscReal   courants[] = {0.7, 20};
 static const char *const thetas[]   = {"1/2", "0.6", "1"};
 static const char *const renewed[]  = {"flip", "pic", "blend", "apic"};
 
