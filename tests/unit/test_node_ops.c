@@ -23,6 +23,7 @@ static PetscErrorCode Run(const MpmPass *pass, PetscInt chunk, PetscReal node[FI
   MpmMarch     march                  = {.grid = &grid};
   MpmNodesDone done[MPM_MAX_PASS_OPS] = {{0, 0}};
   PetscReal   *field[MPM_MAX_FIELDS]  = {NULL};
+  PetscInt     next                   = 0;
 
   PetscFunctionBegin;
   Fill(node);
@@ -32,7 +33,7 @@ static PetscErrorCode Run(const MpmPass *pass, PetscInt chunk, PetscReal node[FI
   if (chunk && chunk < 50)
     for (PetscInt o = 0; o < pass->nnode_ops; o++)
       CHECK(done[o].hi > NODES / 2, "operation %d has not followed: to %d", o, done[o].hi);
-  PetscCall(MpmMarchNodeOps(&march, 0, pass, field, NULL, NULL, done));
+  PetscCall(MpmMarchNodeOps(&march, 0, pass, field, NULL, NULL, done, &next));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -18,8 +18,7 @@ const MpmFormulation *MpmFormulationFind(const char name[])
 const MpmOp *MpmFormulationLines(const MpmFormulation *f, const MpmSchemeNumbers *numbers, const MpmTransfer *transfer,
                                  MpmOp room[MPM_MOST_TABLE_LINES], PetscInt *n)
 {
-  const MpmSchemeNumbers usual = {
-      .share = 0.5, .rk = MPM_RK_USUAL, .theta = 0.5, .move_share = f->move_share};
+  const MpmSchemeNumbers usual = {.share = 0.5, .rk = MPM_RK_USUAL, .theta = 0.5, .move_share = f->move_share};
 
   *n = f->lines ? f->lines(numbers ? numbers : &usual, transfer, room) : f->nops;
   return f->lines ? room : f->ops;
