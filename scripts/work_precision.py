@@ -4,6 +4,8 @@
 work_precision.py SCENE.yaml [--cells 32,64,128] [--courant 0.25,0.5] [--ppc 1,2] [--formulation gas1,gas2]
                   [--transfer flip,pic] [--basis linear,quadratic] [--ranks 1,2] [--repeats 6] [--most 30]
                   [--error 1e-2,1e-3] [--time T] [-o NAME]
+work_precision.py --page [SCENES] [-o FOLDER]    all that docs/work-precision.md shows, or some of its scenes
+work_precision.py --check                        computes some numbers of that page again, and compares
 
 Without --courant each scheme runs at five Courant numbers up to 0.95 of its limit for particles at rest, since schemes
 have different limits. Particles that move keep their velocity: the drift is in proportion to the Courant number.
@@ -32,8 +34,10 @@ import os
 import platform
 import random
 import sys
+import tempfile
 import time
 
+import precision_page
 import precision_picture
 from picture_style import save
 from precision_table import (PARAMETERS, SCHEME, answer, csv_text, key, make_rows, outstanding, remarks, table,
@@ -55,7 +59,9 @@ def ranged(kind):
 
 def parse():
     parser = Parser(__doc__)
-    parser.add_argument("scene", metavar="SCENE.yaml")
+    parser.add_argument("scene", metavar="SCENE.yaml", nargs="?")
+    parser.add_argument("--page", nargs="?", const=",".join(precision_page.SCENES), type=ranged(str))
+    parser.add_argument("--check", action="store_true")
     for name, kind in KINDS.items():
         parser.add_argument(f"--{name}", type=ranged(kind))
     parser.add_argument("--repeats", type=int, default=6)
@@ -64,6 +70,11 @@ def parse():
     parser.add_argument("--time", type=float)
     parser.add_argument("-o", "--output", metavar="NAME", default="work-precision")
     arguments = parser.parse_args()
+    for name in arguments.page or []:
+        if name not in precision_page.SCENES:
+            refuse(f"--page {name}: allowed: {', '.join(precision_page.SCENES)}")
+    if not (arguments.scene or arguments.page or arguments.check):
+        refuse("no scene; allowed: SCENE.yaml, --page or --check")
     for name in ("cells", "courant", "ppc", "ranks", "error"):
         if any(not 0 < value < float("inf") for value in getattr(arguments, name) or []):
             refuse(f"--{name} {','.join(map(str, getattr(arguments, name)))}: allowed: numbers above 0")
@@ -300,6 +311,13 @@ def report(arguments, rows, base, end):
 def main():
     arguments = parse()
     require_program()
+    if arguments.check:
+        with tempfile.TemporaryDirectory() as folder:
+            precision_page.check(folder)
+        return
+    if arguments.page:
+        precision_page.make(arguments.output, arguments.page)
+        return
     require_input(arguments.scene, "a scene in YAML")
     require_outputs([f"{arguments.output}.{ending}" for ending in ("csv", "png", "svg", "runs.jsonl")],
                     [arguments.scene, PROGRAM])

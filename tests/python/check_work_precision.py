@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Checks work_precision.py: orders, errors, frontier, refusals, unstable runs, words, and resuming when killed.
+"""Checks work_precision.py: orders, errors, frontier, refusals, unstable runs, words, resuming when killed, its page.
 
 check_work_precision.py, in a folder that may be filled, MPMSTAB set. Silent when all is well.
 """
@@ -19,6 +19,7 @@ import time
 
 from checks import SCRIPTS, check, check_one_line, run_script
 from precision_picture import draw
+import precision_study
 from precision_table import answer, cheapest_of, make_rows, remarks, uncertain_rows
 from program import PROGRAM, launch
 
@@ -249,13 +250,13 @@ def check_gaps():
         return answer(make_rows(records, records), wanted)
 
     slower = ("a", [(16, 0.5, 2e-3, "ok"), (32, 0.009, 1e-2, "ok"), (64, 0.005, 4e-3, "ok")])
-    check("cheapest here is a with 64 cells: 4 ms" in said(1e-2, slower), said(1e-2, slower))
+    check("cheapest here is a linear flip with 64 cells: 4 ms" in said(1e-2, slower), said(1e-2, slower))
     gap = ("a", [(16, 0.5, 2e-3, "ok"), (32, 0.09, 4e-3, "unstable"), (64, 0.005, 8e-3, "ok")])
-    check("cheapest here is a with 64 cells: 8 ms" in said(1e-2, gap), said(1e-2, gap))
+    check("cheapest here is a linear flip with 64 cells: 8 ms" in said(1e-2, gap), said(1e-2, gap))
     first = ("a", [(16, 0.5, 2e-3, "unstable"), (64, 0.005, 8e-3, "ok")])
-    check("coarsest" not in said(1e-2, first) and "a with 64 cells: 8 ms" in said(1e-2, first), said(1e-2, first))
+    check("coarsest" not in said(1e-2, first) and "a linear flip with 64 cells: 8 ms" in said(1e-2, first), said(1e-2, first))
     near = ("a", [(16, 0.02, 1e-3, "ok"), (32, 0.0199, 2e-3, "ok")])
-    check("the smallest is 0.0199, by a with 32 cells" in said(1e-2, near), said(1e-2, near))
+    check("the smallest is 0.0199, by a linear flip with 32 cells" in said(1e-2, near), said(1e-2, near))
 
 
 def check_certainty():
@@ -353,13 +354,25 @@ def check_plane():
              "--cells 9: no grid in the proportion of 8 x 4 cells; allowed: multiples of 2")
 
 
+def check_page():
+    """The table of errors of the page is what the program finds. Times of the study are interpolated, or never reached."""
+    done = start("--check")
+    check(done.returncode == 0 and done.stdout + done.stderr == "", f"--check: {done.stdout} {done.stderr}")
+    one_line(start("--page", "nothing"), 2, "--page nothing: allowed: line-rest")
+    one_line(start(), 2, "no scene; allowed: SCENE.yaml, --page or --check")
+    rows = [{"cells": cells, "seconds": 1e-5 * cells**2, "errors": [cells**-2.0, 2 * cells**-2.0]} for cells in (16, 64)]
+    check(abs(precision_study.seconds_for(rows, 1e-3, min) - 1e-2) < 1e-12, "not interpolated")
+    check(abs(precision_study.seconds_for(rows, 1e-3, max) - 2e-2) < 1e-12, "not that of the largest error")
+    check(precision_study.seconds_for(rows, 1e-4, min) == math.inf, "extrapolated")
+
+
 def main():
     for path in {*glob.glob("*.jsonl"), *glob.glob("disk.*"), *glob.glob("begun"), *glob.glob("kill")}:
         os.remove(path)
     with open("scene.yaml", "w", encoding="ascii") as file:
         file.write(SCENE)
-    for one in (check_words, check_certainty, check_search, check_remarks, check_crosses, check_content, check_all_waves, check_plane,
-                check_resume, check_failed, check_disturbances, check_refusals):
+    for one in (check_words, check_gaps, check_certainty, check_search, check_remarks, check_crosses, check_content, check_all_waves, check_plane,
+                check_resume, check_failed, check_disturbances, check_refusals, check_page):
         one()
 
 
