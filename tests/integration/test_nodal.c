@@ -248,6 +248,7 @@ static PetscErrorCode CheckAll(void)
 
           if (MpmTransfers[t]->affine && MpmFormulations[f]->affine == MPM_NONE) continue;
           if (mls && !grad) continue;
+          if (MpmFormulationHas(MpmFormulations[f], MPM_IMPLICIT)) continue; /* no sum of products of nodes */
           PetscCall(PetscSNPrintf(scheme, sizeof scheme, "-formulation %s -transfer %s -basis %s %s",
                                   MpmFormulations[f]->name, MpmTransfers[t]->name, MpmBases[b]->name,
                                   mls ? "-gradient mls" : ""));

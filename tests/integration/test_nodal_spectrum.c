@@ -109,6 +109,7 @@ static PetscErrorCode CheckAll(void)
       char           options[512];
 
       if (MpmTransfers[t]->affine && MpmFormulations[f]->affine == MPM_NONE) continue;
+      if (MpmFormulationHas(MpmFormulations[f], MPM_IMPLICIT)) continue; /* no sum of products of nodes */
       PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -transfer %s -basis %s %s",
                               MpmFormulations[f]->name, MpmTransfers[t]->name, MpmBases[b]->name,
                               layouts[which / 2 % PETSC_STATIC_ARRAY_LENGTH(layouts)]));

@@ -53,6 +53,7 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argc;
   (void)argv;
   for (PetscInt f = 0; MpmFormulations[f]; f++) {
+    if (MpmFormulationHas(MpmFormulations[f], MPM_IMPLICIT)) continue; /* its step is no polynomial in k */
     for (PetscInt t = 0; MpmTransfers[t]; t++) {
       if (MpmTransfers[t]->affine && MpmFormulations[f]->affine == MPM_NONE) continue;
       PetscCall(PetscSNPrintf(options, sizeof options,

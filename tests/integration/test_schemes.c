@@ -68,8 +68,7 @@ static PetscErrorCode Agrees(const char options[])
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmOperatorMismatch(op, &mismatch));
-  CHECK(mismatch <= (MpmTableHas(scene->scheme.table, MPM_SOLVE) ? 1e-12 : 1e-14) * op->period, "%s: %.3g", options,
-        mismatch);
+  CHECK(mismatch <= (MpmTableSolves(scene->scheme.table) ? 1e-12 : 1e-14) * op->period, "%s: %.3g", options, mismatch);
   if (!MpmSymbolWhyNot(&scene->layout)) PetscCall(Symbols(options, op));
   PetscCall(MpmOperatorDestroy(&op));
   PetscCall(MpmSceneDestroy(&scene));

@@ -3,7 +3,10 @@
 #include "check.h"
 #include <mpmstab/operator.h>
 
-/* A q = march(q) of a scene to a tolerance in each step of a period. options name the scene in messages. */
+/*
+   A q = march(q) of a scene to a tolerance in each step of a period, or to that of the march's solver where it has one. options
+   name the scene in messages.
+*/
 static inline PetscErrorCode CheckOperatorOf(const MpmScene *scene, const char options[], PetscReal tolerance)
 {
   MpmOperator *op;
@@ -11,6 +14,7 @@ static inline PetscErrorCode CheckOperatorOf(const MpmScene *scene, const char o
   Vec          q, image;
 
   PetscFunctionBegin;
+  if (MpmTableSolves(scene->scheme.table)) tolerance = PetscMax(tolerance, 1e-12);
   PetscCall(MpmOperatorCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmOperatorMismatch(op, &mismatch));
   CHECK(mismatch <= tolerance * op->period, "%s: %.3g", options, mismatch);
