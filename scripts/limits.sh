@@ -63,7 +63,7 @@ for drift in 1/8 1/3; do
 done
 echo "growth per step - 1 at k = 0.5, drift 1/8: particles move at a quarter of the wave speed"
 echo "scheme   transfer       linear       gimp  quadratic      cubic"
-for formulation in usl usf musl usavg verlet rk; do
+for formulation in usl usf musl usavg verlet rk implicit; do
   for transfer in flip pic apic tpic aflip fmpm; do
     printf '%-8s %-10s' $formulation $transfer
     for basis in linear gimp quadratic cubic; do

@@ -85,9 +85,9 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
   }
   PetscCall(MpmSettingsRequire(settings, scene, "kinematics", HasMove,
                                "stress with a velocity that particles could move with"));
-  PetscCall(MpmSettingsRequire(settings, scene, "kinematics", IsExplicit, "step without a linear system of the nodes"));
   PetscCall(MpmSettingsRequire(settings, scene, "kinematics", LeavesStress,
                                "stress that it takes to vectors by DIV and from vectors by GRAD alone"));
+  PetscCall(MpmSettingsRequire(settings, scene, "kinematics", IsExplicit, "step without a linear system of the nodes"));
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     if (scene->gravity[a] != 0) scene->scheme.space.loaded = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
