@@ -11,7 +11,7 @@
    midpoint rule, 1 backward Euler. From theta = 1/2 on no step raises the energy of the particles, whatever k is and however
    they move (docs/theory.md, section 12).
 
-   Source: Crank and Nicolson 1947; Guilkey and Weiss 2003 have the first implicit material point method
+   Source: Crank and Nicolson 1947; Guilkey and Weiss 2003, an implicit material point method
 */
 #include "scheme/formulation/closed_forms.h"
 #include <mpmstab/transfer.h>
