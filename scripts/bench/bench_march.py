@@ -196,7 +196,8 @@ def measure_steps(args):
           f"{'':7} {'c t / h':>7}")
     rows = []
     for dim, basis, drift, jitter in itertools.product(STEP_CELLS, bench_runs.BASES, ("0", "0.01"), ("0", "0.4")):
-        row = {"dim": dim, "cells": STEP_CELLS[dim], "basis": basis, "transfer": "flip", "drift": drift, "jitter": jitter,
+        cells = min(STEP_CELLS[dim], *(bench_runs.BOXES[dim][size] for size in args.boxes))
+        row = {"dim": dim, "cells": cells, "basis": basis, "transfer": "flip", "drift": drift, "jitter": jitter,
                "steps": STEP_WORK}
         times = {step: {"plain": [], "1": []} for step in bench_runs.STEPS}
         for _, step in itertools.product(range(args.repeats), bench_runs.STEPS):
