@@ -17,7 +17,7 @@ from program import Parser, end_in_one_line, launch, refuse, require_input, requ
 
 STEPS = {"usl": "-formulation usl", "musl": "-formulation musl", "verlet": "-formulation verlet",
          "rk4": "-formulation rk -rk rk4", "kg5": "-formulation rk -rk kg5"}
-COST = {"usl": 1, "musl": 1.37, "verlet": 1.31, "rk4": 3.45, "kg5": 4.07}  # flip, quadratic, moving: docs/dev/speed.md
+COST = {"usl": 1, "musl": 1.49, "verlet": 1.29, "rk4": 2.8, "kg5": 3.59}  # flip, quadratic, moving: docs/dev/speed.md
 KINDS = {"flip": ("flip, quadratic splines", "-basis quadratic"),
          "MLS-MPM": ("MLS-MPM (apic, gradient mls, quadratic splines)", "-basis quadratic -transfer apic -gradient mls")}
 MACH = [(1, 100), (1, 30), (1, 10), (1, 3), (1, 1)]
