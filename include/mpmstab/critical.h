@@ -62,6 +62,7 @@ typedef struct {
                  bound is known
    quiet       - under drift, the Courant number up to which no step raises the energy of the particles in any of the layouts
                  that are met, so that they cannot ring (docs/theory.md, section 12); 0: no such number is known
+   no_theorem  - of a formulation that has such numbers: the condition that does not hold here; NULL: all hold
    cure, cured - of a scheme without such a number: the first formulation that has one with the same basis and transfer, and
                  this number; NULL: none is known
    phases      - where phases of two or three directions were sampled: so many in (0, pi] of each; else 0
@@ -83,6 +84,7 @@ typedef struct {
   MpmCellSymbols cell;
   MpmFinding     asked;
 
+  const char           *no_theorem;
   const MpmFormulation *cure;
   MpmCriticalWindows    windows;
 } MpmCritical;

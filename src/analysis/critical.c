@@ -231,8 +231,7 @@ static PetscErrorCode Search(const MpmCriticalCase *of, const Strategy *s, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Up to where a theorem says that the scheme cannot ring; else which formulation of the same waves could not, in its place. */
-static PetscErrorCode Quieten(const MpmCriticalCase *of, MpmCritical *c)
+PetscErrorCode MpmCriticalQuieten(const MpmCriticalCase *of, MpmCritical *c)
 {
   const PetscBool drifts = MpmStepDrifts(&of->step);
   MpmScheme       other  = *of->scheme;
@@ -240,6 +239,7 @@ static PetscErrorCode Quieten(const MpmCriticalCase *of, MpmCritical *c)
 
   PetscFunctionBegin;
   PetscCall(MpmCriticalQuiet(of, &c->quiet));
+  if (of->scheme->formulation->quiet) c->no_theorem = MpmCriticalWhyNotQuiet(of);
   if (!drifts && isfinite(c->quiet)) c->quiet = 0; /* at rest the limit itself says more */
   if (of->step.courant <= c->quiet && !(c->asked.growth > 1 + of->tolerance))
     PetscCall(MpmFindingDecide(&c->asked, "a theorem says that nothing grows here"));
@@ -267,7 +267,7 @@ PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCr
   PetscCall(Search(of, StrategyOf(of, c), alone, c));
   MpmZoomFold(of->layout->dim, c->beta);
   if (!drifts) c->bound = MpmCriticalBound(of->layout, of->scheme);
-  if (!alone && (drifts || of->scheme->formulation->quiet)) PetscCall(Quieten(of, c));
+  if (!alone && (drifts || of->scheme->formulation->quiet)) PetscCall(MpmCriticalQuieten(of, c));
   PetscCall(CheckRounding(of, c));
   if (of->layout->dim == 1)
     PetscCall(Compare(of, c));

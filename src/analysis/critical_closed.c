@@ -143,20 +143,23 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme 
 
 /* ---- steps that cannot ring ---- */
 
-/* The theorem's conditions that formulation and transfer do not have by themselves. */
-static PetscBool IsQuiet(const MpmCriticalCase *of)
+const char *MpmCriticalWhyNotQuiet(const MpmCriticalCase *of)
 {
   const MpmScheme *scheme = of->scheme;
   PetscReal        spread[2];
 
-  if (!scheme->formulation->quiet || !scheme->transfer->quiet || scheme->space.finite ||
-      MpmSpaceIsPrestressed(&scheme->space) || MpmSymbolWhyNot(of->layout) || MpmBasisIsAltered(scheme->basis))
-    return PETSC_FALSE;
+  if (!scheme->formulation->quiet) return "the formulation has no such theorem";
+  if (!scheme->transfer->quiet) return "the transfer may raise the energy of the particles";
+  if (scheme->space.finite) return "deformation is finite";
+  if (MpmSpaceIsPrestressed(&scheme->space)) return "particles have a prestress";
+  if (MpmSymbolWhyNot(of->layout)) return "the layout has no symbol";
+  if (MpmBasisIsAltered(scheme->basis)) return "functions of the basis differ near walls";
   for (PetscInt a = 0; a < of->layout->dim && scheme->transfer->affine; a++) {
     MpmCriticalSpread(scheme->basis, of->layout->half_width[a], spread);
-    if (spread[1] > spread[0] * (1 + PRECISION)) return PETSC_FALSE;
+    if (spread[1] > spread[0] * (1 + PRECISION))
+      return "the second moment D of the weights depends on the place in a cell, and the affine field reads it";
   }
-  return PETSC_TRUE;
+  return NULL;
 }
 
 PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet)
@@ -167,7 +170,7 @@ PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet)
 
   PetscFunctionBegin;
   *quiet = 0;
-  if (!IsQuiet(of)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmCriticalWhyNotQuiet(of)) PetscFunctionReturn(PETSC_SUCCESS);
   *quiet = INFINITY;
   PetscCall(MpmStepPeriod(&of->step, &period));
   PetscCall(MpmPredictorCreateFrozen(of->layout, of->scheme, of->step.drift, &predictor));

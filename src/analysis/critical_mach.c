@@ -3,6 +3,7 @@
    k, and only where it is a fraction p/q do they come back to their places, after q steps. So k goes over such numbers.
 */
 #include "analysis/critical_mach.h"
+#include "analysis/critical_parts.h"
 #include "base/farm.h"
 #include <mpmstab/symbol.h>
 #include <math.h>
@@ -167,6 +168,9 @@ PetscErrorCode MpmCriticalMachCreate(const MpmCriticalCase *of, const MpmMach *m
   Sum(c);
   PetscCall(MpmRefinedGrowth(PETSC_COMM_WORLD, of->layout, of->scheme, &of->step, PETSC_FALSE, &refined));
   PetscCall(MpmRefinedFinding(&refined, of->tolerance, &c->asked));
+  c->theorem.asked = c->asked;
+  PetscCall(MpmCriticalQuieten(of, &c->theorem));
+  c->asked = c->theorem.asked;
   c->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

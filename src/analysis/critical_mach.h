@@ -23,6 +23,7 @@ typedef struct {
    unstable, undecided - the number of such points
    worst      - the point that grows fastest of those up to rest
    asked      - growth and verdict at the scene's own Courant number
+   theorem    - quiet, no_theorem and cure of MpmCritical, of the layouts that the scene's own drift meets
 S*/
 #define MPM_CRITICAL_MACH_STEPS 60
 #define MPM_CRITICAL_MACH_ALL 16
@@ -31,6 +32,7 @@ typedef struct {
   PetscInt      n, steps, stable, unstable, undecided, worst;
   PetscReal     to, rest, seconds;
   MpmFinding    asked;
+  MpmCritical   theorem;
 } MpmCriticalMach;
 
 /*

@@ -75,11 +75,15 @@ PetscErrorCode MpmCriticalClosedTolerated(const MpmPredictor *predictor, PetscRe
 void           MpmCriticalClosedFading(const MpmPredictor *predictor, MpmCritical *critical);
 
 /*
-   MpmCriticalQuiet - quiet of MpmCritical: the least over the layouts that a period of the drift meets.
+   MpmCriticalWhyNotQuiet - the condition of the theorem that does not hold; NULL: all hold. Not collective.
+   MpmCriticalQuiet       - quiet of MpmCritical: the least over the layouts that a period of the drift meets.
+   MpmCriticalQuieten     - sets quiet; without such a number no_theorem, and under drift cure and cured.
 
-   Collective. Errors: those of MpmStepPeriod.
+   The last two are collective. Errors: those of MpmStepPeriod.
 */
+const char    *MpmCriticalWhyNotQuiet(const MpmCriticalCase *of);
 PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet);
+PetscErrorCode MpmCriticalQuieten(const MpmCriticalCase *of, MpmCritical *c);
 
 /* A search for the first window of growth by following eigenvalues, up to a Courant number; what came of it. */
 typedef struct {

@@ -9,6 +9,36 @@
 
 #define ALONG 1e-3 /* a direction is that of an axis or of a diagonal within this */
 
+void MpmReportQuiet(const MpmCritical *c)
+{
+  if (isinf(c->quiet))
+    MpmPrint("  no limit     and it cannot ring: theorem, no step raises the energy of the particles (docs/theory.md, "
+             "section 12)\n");
+  else if (c->quiet > 0)
+    MpmPrint("  cannot ring  up to %.10g: theorem, no step raises the energy of the particles (docs/theory.md, section "
+             "12)\n",
+             c->quiet);
+  if (c->no_theorem)
+    MpmPrint("  may ring     the theorem of docs/theory.md, section 12, does not hold: %s\n", c->no_theorem);
+  if (c->cure)
+    MpmPrint("  with formulation %s in its place no step raises the energy of the particles up to %.6g, so that it "
+             "cannot ring\n",
+             c->cure->name, c->cured);
+}
+
+void MpmJsonSetQuiet(json_t *critical, const MpmCritical *c)
+{
+  if (isinf(c->quiet))
+    json_object_set_new(critical, "quiet", json_string("no limit"));
+  else if (c->quiet > 0)
+    MpmJsonSet(critical, "quiet", c->quiet);
+  if (c->cure) {
+    MpmJsonSetText(critical, "cure", c->cure->name);
+    MpmJsonSet(critical, "cure_quiet", c->cured);
+  }
+  if (c->no_theorem) MpmJsonSetText(critical, "no_theorem", c->no_theorem);
+}
+
 /* A field of the scene as text: all digits for files, or six for headings. */
 static PetscErrorCode FieldText(const MpmScene *s, const char name[], PetscBool heading, size_t room, char text[])
 {
@@ -77,18 +107,7 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", tolerance, c->stable_at,
              c->unstable_at);
   PetscCall(PrintDrift(s, c));
-  if (isinf(c->quiet))
-    MpmPrint("  no limit     and it cannot ring: theorem, no step raises the energy of the particles (docs/theory.md, "
-             "section "
-             "12)\n");
-  else if (c->quiet > 0)
-    MpmPrint("  cannot ring  up to %.10g: theorem, no step raises the energy of the particles (docs/theory.md, section "
-             "12)\n",
-             c->quiet);
-  if (c->cure)
-    MpmPrint("  with formulation %s in its place no step raises the energy of the particles up to %.6g, so that it "
-             "cannot ring\n",
-             c->cure->name, c->cured);
+  MpmReportQuiet(c);
   if (isfinite(c->doubtful))
     MpmPrint("  near %.6g amplification factors could not be told apart: a window there may be missed\n", c->doubtful);
   if (!isnan(c->closed) && isfinite(c->closed))
@@ -273,14 +292,7 @@ static void SetBulk(json_t *critical, PetscInt dim, const MpmCritical *c)
   MpmJsonSet(critical, "fading", c->fading);
   MpmJsonSetWindows(critical, &c->windows);
   if (c->bound > 0) MpmJsonSet(critical, "bound", c->bound);
-  if (isinf(c->quiet))
-    json_object_set_new(critical, "quiet", json_string("no limit"));
-  else if (c->quiet > 0)
-    MpmJsonSet(critical, "quiet", c->quiet);
-  if (c->cure) {
-    MpmJsonSetText(critical, "cure", c->cure->name);
-    MpmJsonSet(critical, "cure_quiet", c->cured);
-  }
+  MpmJsonSetQuiet(critical, c);
   MpmJsonSet(critical, "growth_when_drifting", c->moving);
   MpmJsonSet(critical, "growth_when_drifting_diagonally", c->moving_diagonal);
   json_object_set_new(critical, "threshold", json_boolean(c->threshold));

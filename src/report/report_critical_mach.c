@@ -73,6 +73,7 @@ PetscErrorCode MpmCriticalMachPrint(const MpmScene *s, const MpmRequest *request
     MpmPrint("\nat Courant number %.6g", s->step.courant);
     PrintTimeStep(s, s->step.courant);
     MpmPrint(": growth %.9g per step\n", c->asked.growth);
+    MpmReportQuiet(&c->theorem);
     MpmReportFinding(&c->asked, NAN);
   }
   MpmPrint("time: %.3g s\n", c->seconds);
@@ -106,6 +107,7 @@ PetscErrorCode MpmCriticalMachWriteJson(const MpmScene *s, const MpmRequest *req
   MpmJsonSetCount(critical, "searched", c->n);
   MpmJsonSetCount(critical, "unstable", c->unstable);
   MpmJsonSetCount(critical, "undecided", c->undecided);
+  if (MpmSceneHasStep(s)) MpmJsonSetQuiet(critical, &c->theorem);
   MpmJsonSet(critical, "seconds", c->seconds);
   json_object_set_new(object, "critical", critical);
   PetscCall(MpmJsonWrite(request->json, object));

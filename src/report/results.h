@@ -16,6 +16,14 @@
 PetscErrorCode MpmRunPrint(const MpmRun *run);
 PetscErrorCode MpmRunWriteJson(const MpmRun *run);
 
+/*
+   What a theorem says of a scheme under drift: in words, and as keys of 'critical' in JSON.
+
+   The first is collective.
+*/
+void MpmReportQuiet(const MpmCritical *critical);
+void MpmJsonSetQuiet(json_t *object, const MpmCritical *critical);
+
 /* Collective. Print the tangent beside a run (NULL: nothing), and add the key 'tangent' to the run's JSON object. */
 void MpmTangentsPrint(const MpmTangents *tangents);
 void MpmTangentsJson(const MpmTangents *tangents, json_t *object);

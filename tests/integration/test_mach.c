@@ -213,6 +213,35 @@ static PetscErrorCode CheckCritical(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   What a theorem says of the layouts that the scene's own drift meets: usl is told of rk, with the number that rk gives
+   of itself, and apic on hats that the theorem does not hold there.
+*/
+static PetscErrorCode CheckTheorem(void)
+{
+  MpmScene       *scene;
+  MpmCriticalMach found;
+  PetscReal       cured;
+
+  PetscFunctionBegin;
+  PetscCall(Critical("-formulation usl -mach 1/4 -basis quadratic", &scene, &found));
+  CHECK(found.theorem.cure && found.theorem.quiet == 0 && !found.theorem.no_theorem, "usl is not told of rk");
+  cured = found.theorem.cured;
+  PetscCall(MpmCriticalMachDestroy(&found));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscCall(Critical("-formulation rk -mach 1/4 -basis quadratic", &scene, &found));
+  CHECK(cured > 2 && found.theorem.quiet == cured, "rk is quiet up to %.12g, usl is told %.12g", found.theorem.quiet,
+        cured);
+  PetscCall(MpmCriticalMachDestroy(&found));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscCall(Critical("-formulation implicit -mach 1/4 -transfer apic", &scene, &found));
+  CHECK(found.theorem.quiet == 0 && found.theorem.no_theorem && found.asked.verdict == MPM_UNSTABLE,
+        "implicit with apic on hats: quiet up to %.6g", found.theorem.quiet);
+  PetscCall(MpmCriticalMachDestroy(&found));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
@@ -222,6 +251,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckMaps());
   PetscCall(CheckRefined());
   PetscCall(CheckCritical());
+  PetscCall(CheckTheorem());
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

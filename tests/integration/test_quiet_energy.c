@@ -314,7 +314,8 @@ static PetscErrorCode CheckQuiet(const char scheme[], const char layout[], Petsc
           "%s: cannot ring up to %.9g, by eigenvalues %.9g", options, (double)critical.quiet,
           (double)(edge / sqrt(largest)));
   else
-    CHECK(critical.quiet == 0, "%s: no theorem, but %.9g", options, (double)critical.quiet);
+    CHECK(critical.quiet == 0 && critical.no_theorem, "%s: no theorem, but %.9g", options, (double)critical.quiet);
+  CHECK(!(edge > 0) || !critical.no_theorem, "%s: %s", options, critical.no_theorem);
   CHECK(critical.quiet <= critical.stable_at * (1 + 1e-9), "%s: cannot ring up to %.9g, grows from %.9g", options,
         (double)critical.quiet, (double)critical.stable_at);
   PetscCall(MpmSceneDestroy(&scene));
