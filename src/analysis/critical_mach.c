@@ -170,7 +170,7 @@ PetscErrorCode MpmCriticalMachCreate(const MpmCriticalCase *of, const MpmMach *m
   PetscCall(MpmRefinedFinding(&refined, of->tolerance, &c->asked));
   c->theorem.asked = c->asked;
   PetscCall(MpmCriticalQuieten(of, &c->theorem));
-  c->asked = c->theorem.asked;
+  c->asked   = c->theorem.asked;
   c->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,4 +1,4 @@
-/* The task list: mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|codes] */
+/* The task list: mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|scope|codes] */
 #include "base/suggest.h"
 #include "report/report.h"
 #include "scene/fields.h"
@@ -165,6 +165,21 @@ static PetscErrorCode ListCodes(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What is answered, in five lines. README has the same. */
+static PetscErrorCode ListScope(void)
+{
+  PetscFunctionBegin;
+  MpmPrint("  %-14s linear steps: growth, limits, waves and modes of lattices and of any layout up to a size\n",
+           "exactly");
+  MpmPrint("  %-14s linear steps about a stretched state (prestress), and tangents at the states of a run (tangent)\n",
+           "");
+  MpmPrint("  %-14s runs at finite strain: their energy and error; growth in a run is measured and not proved\n",
+           "by marching");
+  MpmPrint("  %-14s plasticity (sand, snow, clay), colliders, friction, damping, viscosity\n", "not yet");
+  MpmPrint("  %-14s contact of several velocity fields, fracture, heat, graphics processors\n", "not at all");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* on_request: 'list' alone leaves it out, since it is longer than all others together */
 static const struct {
   const char *name, *title;
@@ -178,6 +193,7 @@ static const struct {
     {"layout", "layouts", ListLayouts, PETSC_FALSE},
     {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions, PETSC_FALSE},
     {"versions", "versions", ListVersions, PETSC_FALSE},
+    {"scope", "what is answered", ListScope, PETSC_FALSE},
     {"codes",
      "public codes: their options, what those are here, and the file that says so; for what runs by default, the\n"
      "largest stable c dt / h in one dimension, two particles a cell, at rest, and what prints it",
@@ -186,8 +202,8 @@ static const struct {
 /* A list by its name, or by its plural as in 'list formulations'. */
 static PetscBool IsCalled(const char word[], size_t i)
 {
-  static const char *const plurals[] = {"formulations", "bases",  "transfers", "boundaries",
-                                        "layouts",      "option", "version",   "code"};
+  static const char *const plurals[] = {"formulations", "bases",   "transfers", "boundaries", "layouts",
+                                        "option",       "version", "scopes",    "code"};
 
   return !strcasecmp(word, lists[i].name) || !strcasecmp(word, plurals[i]) ? PETSC_TRUE : PETSC_FALSE;
 }
@@ -227,7 +243,7 @@ PetscErrorCode MpmTaskList(int argc, char **argv)
   }
   MpmCheckInput(
       argc <= 1,
-      "unexpected word '%s'; allowed: list [formulation|basis|transfer|boundary|layout|options|versions|codes]",
+      "unexpected word '%s'; allowed: list [formulation|basis|transfer|boundary|layout|options|versions|scope|codes]",
       argv[1]);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(lists); i++) {
     names[i] = lists[i].name;
@@ -240,8 +256,9 @@ PetscErrorCode MpmTaskList(int argc, char **argv)
   if (argc == 0) MpmPrint("public codes: mpmstab list codes\n");
   if (!found) {
     near = MpmSuggest(argv[0], PETSC_STATIC_ARRAY_LENGTH(lists), names);
-    MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout, options, versions or codes%s%s%s",
-              argv[0], near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+    MpmRefuse(
+        "list %s: allowed: formulation, basis, transfer, boundary, layout, options, versions, scope or codes%s%s%s",
+        argv[0], near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

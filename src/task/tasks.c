@@ -113,7 +113,7 @@ PetscErrorCode MpmPrintHelp(const char name[])
   MpmPrint("mpmstab %s: %s\n  for example: mpmstab %s\n", task->name, task->summary, task->example);
   if (!strcmp(task->name, "list")) {
     MpmPrint(
-        "  mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|codes]\n");
+        "  mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|scope|codes]\n");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   MpmPrint("options of this task: name, default, meaning\n");
