@@ -159,13 +159,35 @@ void MpmPrintFailure(const char message[])
   if (MpmRankOf(PETSC_COMM_WORLD) == 0) PrintLine(message);
 }
 
+static FILE  *held; /* what is printed goes there until it is released */
+static char  *held_text;
+static size_t held_length;
+
+void MpmPrintHold(void)
+{
+  if (!held && !MpmRankOf(PETSC_COMM_WORLD)) held = open_memstream(&held_text, &held_length);
+}
+
+void MpmPrintRelease(void)
+{
+  if (!held) return;
+  (void)fclose(held);
+  held = NULL;
+  (void)fwrite(held_text, 1, held_length, stdout);
+  free(held_text);
+}
+
+void MpmPrintArguments(const char format[], va_list arguments)
+{
+  if (!MpmRankOf(PETSC_COMM_WORLD)) (void)vfprintf(held ? held : stdout, format, arguments);
+}
+
 void MpmPrint(const char format[], ...)
 {
   va_list arguments;
 
-  if (MpmRankOf(PETSC_COMM_WORLD)) return;
   va_start(arguments, format);
-  (void)vprintf(format, arguments);
+  MpmPrintArguments(format, arguments);
   va_end(arguments);
 }
 

@@ -39,3 +39,13 @@ int MpmErrorsStatus(PetscErrorCode error);
    Not collective. Part of MpmFinalize.
 */
 void MpmErrorsEnd(int status);
+
+/*
+   MpmPrintHold - keeps what is printed in memory until MpmPrintRelease prints it. What has not been released when the program
+   ends is lost: a task that is refused has printed nothing. MpmPrintArguments - prints as MpmPrint does.
+
+   Not collective.
+*/
+void MpmPrintHold(void);
+void MpmPrintRelease(void);
+void MpmPrintArguments(const char format[], va_list arguments) __attribute__((format(printf, 1, 0)));

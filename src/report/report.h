@@ -1,16 +1,19 @@
-/* Parts that the tasks' tables and JSON objects share. */
+/* Parts that the reports of several tasks share: each prints, and fills the tree of results. */
 #pragma once
-#include <mpmstab/errors.h>
-#include "scene/request.h"
+#include "report/result.h"
 #include "symbol/predict.h"
 #include <mpmstab/critical.h>
-#include <jansson.h>
 
-/* Collective. Prints the task and the file or code that takes the place of a scene. what: a matrix, or blocks of a lattice. */
-void MpmReportFile(const MpmRequest *request, const char what[]);
+/*
+   MpmResultOfScene, MpmResultOfFile - begin a report: they make a tree with version, task, and scheme and grid or the file or
+   code that takes the place of a scene, and print the same in a few lines. what: a matrix, or blocks of a lattice; NULL: its line
+   has been printed, by MpmReportFile. What is printed from here on is held until MpmResultEnd.
 
-/* Collective. Prints the task and its scene in two lines: scheme, grid and particles. */
-PetscErrorCode MpmReportScene(const MpmScene *scene, const MpmRequest *request);
+   Collective.
+*/
+PetscErrorCode MpmResultOfScene(const MpmScene *scene, const MpmRequest *request, json_t **result);
+PetscErrorCode MpmResultOfFile(const MpmRequest *request, const char what[], json_t **result);
+void           MpmReportFile(const MpmRequest *request, const char what[]);
 
 /*
    MpmReportNodal - prints, after the text before, the order of the matrix that takes the nodes of particles at rest
@@ -39,19 +42,31 @@ PetscErrorCode MpmReportUnits(const MpmScene *scene, const MpmRequest *request);
 void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth, PetscBool windows);
 
 /*
-   Prints windows of growth below a limit, each in a line that begins with so many blanks, and how many Courant numbers were
-   looked at. Nothing where windows were not looked for, or where there is no limit above them (0 or undecided).
+   Keeps windows of growth and how many Courant numbers were looked at, and prints those below a limit, each in a line that
+   begins with so many blanks. Nothing where windows were not looked for; nothing is printed where there is no limit above them
+   (0 or undecided).
 */
-void MpmReportWindows(PetscInt blanks, PetscReal courant, const MpmCriticalWindows *windows);
+void MpmReportWindows(json_t *result, PetscInt blanks, PetscReal courant, const MpmCriticalWindows *windows);
 
 /*
-   Collective. Prints a row of the growth table. text: the formula, or what the number rests on; where growth is NaN,
-   the reason.
+   A row of the growth table. key: of the number in the tree, where null stands for NaN; NULL: it is not kept. text: the
+   formula, or what the number rests on; where growth is NaN, the reason.
 */
-void MpmReportGrowth(const char name[], PetscReal growth, const char text[]);
+void MpmReportGrowth(json_t *result, const char key[], const char name[], PetscReal growth, const char text[]);
 
-/* Collective. Prints the rows of the closed forms, or the reason why they do not cover the scene. */
-void MpmReportPredictions(const MpmPredictor *predictor, const MpmPredictions *predictions);
+/* The rows of the closed forms, or the reason why they do not cover the scene, in the object 'predicted'. */
+void MpmReportPredictions(json_t *result, const MpmPredictor *predictor, const MpmPredictions *predictions);
+
+/* Where the published formula fails and whether the corrected one holds. */
+void MpmReportComparison(json_t *result, const MpmPredictor *predictor, const MpmComparison *comparison);
+
+/*
+   MpmReportFinding - verdict, margin and evidence. condition: that of the eigenvalue on which the verdict rests; NaN for
+   none. MpmResultFinding keeps them without a word. MpmResultSymbol keeps phases and growth of a symbol as 'symbol'.
+*/
+void MpmReportFinding(json_t *result, const MpmFinding *finding, PetscReal condition);
+void MpmResultFinding(json_t *result, const MpmFinding *finding);
+void MpmResultSymbol(json_t *result, const MpmSymbol *symbol);
 
 /*
    MpmVectorText - numbers of the directions as text, with so many digits: the number itself in one dimension, else (x, y).
@@ -67,38 +82,3 @@ void MpmReportPredictions(const MpmPredictor *predictor, const MpmPredictions *p
   }
 const char *MpmVectorText(PetscInt n, const PetscReal values[], int digits, char text[MPM_VECTOR_TEXT]);
 const char *MpmCountsText(PetscInt n, const PetscInt counts[], char text[MPM_VECTOR_TEXT]);
-
-/* Collective. Prints in a sentence where the published formula fails and whether the corrected one holds. */
-void MpmReportComparison(const MpmPredictor *predictor, const MpmComparison *comparison);
-
-/*
-   Collective. Prints verdict, margin and evidence. condition: that of the eigenvalue on which the verdict rests; NaN
-   for none.
-*/
-void MpmReportFinding(const MpmFinding *finding, PetscReal condition);
-
-/*
-   Not collective. MpmJsonScene makes a new object with version, task, scheme and grid, and MpmJsonFile one with version,
-   task and the file that takes the place of a scene. MpmJsonSet adds a number, unless
-   it is not finite, which JSON cannot express; a key 'object.key' is inside an object, which the first of its keys creates.
-   MpmJsonSetCount and MpmJsonSetText do so with a whole number and a text. MpmJsonNumbers makes a list, with null in the
-   place of a number that is not finite; MpmJsonSetVector adds one without it, or the number itself where there is one. MpmJsonSetPrediction adds a growth, or null when the formula does not
-   cover the scene. MpmJsonSetFinding adds verdict, growth and what they rest on. MpmJsonSetWindows adds windows of growth and
-   at how many Courant numbers growth was looked at. MpmJsonPredicted makes the value of
-   the key 'predicted' (symbol: NaN for none), MpmJsonSymbol that of the key 'symbol'.
-*/
-PetscErrorCode MpmJsonScene(const MpmScene *scene, const char task[], PetscReal wall_s, json_t **object);
-PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscReal wall_s, json_t **object);
-void           MpmJsonSet(json_t *object, const char key[], PetscReal value);
-void           MpmJsonSetCount(json_t *object, const char key[], PetscInt64 value);
-void           MpmJsonSetText(json_t *object, const char key[], const char text[]);
-void           MpmJsonSetVector(json_t *object, const char key[], PetscInt n, const PetscReal values[]);
-json_t        *MpmJsonNumbers(PetscInt n, const PetscReal values[]);
-void           MpmJsonSetPrediction(json_t *object, const char key[], PetscReal growth);
-void           MpmJsonSetFinding(json_t *object, const MpmFinding *finding);
-void           MpmJsonSetWindows(json_t *object, const MpmCriticalWindows *windows);
-json_t        *MpmJsonPredicted(const MpmPredictions *predictions, const MpmComparison *comparison, PetscReal symbol);
-json_t        *MpmJsonSymbol(const MpmSymbol *symbol);
-
-/* Collective. Writes rank 0's object to a file and frees it on all ranks. */
-PetscErrorCode MpmJsonWrite(const char path[], json_t *object);

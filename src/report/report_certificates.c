@@ -3,42 +3,30 @@
 #include <math.h>
 #include <string.h>
 
-void MpmReportCertificates(const MpmCertificates *of)
+void MpmReportCertificates(json_t *result, const MpmCertificates *of)
 {
+  json_t *certificates = MpmResultIn(result, "certificates");
+
+  (void)MpmResultList(result, "scales");
   MpmPrint("\ncertificates\n");
   for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
+    json_t *its;
+
     if (isnan(of->value[c])) continue;
-    MpmPrint("  %-12s%-9.2g %-9s %s\n", MpmCertificateNames[c], (double)of->value[c],
-             MpmCertificateFails(of, c) ? "FAILS" : "holds", MpmCertificateTexts[c]);
+    its = MpmResultIn(certificates, MpmCertificateNames[c]);
+    MpmResultSay(its, "  %-12s%-9.2g{value!} %-9s %s\n", MpmCertificateNames[c], (double)of->value[c],
+                 MpmCertificateFails(of, c) ? "FAILS" : "holds", MpmCertificateTexts[c]);
+    MpmResultKeep(its, "%g{bound} %d{holds?}", of->bound[c], !MpmCertificateFails(of, c));
     if (MpmCertificateFails(of, c)) MpmPrint("  %-12s%s\n", "", MpmCertificateFaults[c]);
   }
   if (of->nfields) MpmPrint("  relative to the fields' scales:");
-  for (PetscInt f = 0; f < of->nfields; f++)
-    MpmPrint("%s %s %.6g (%s)", f ? "," : "", of->field[f].name, (double)of->field[f].scale,
-             strcmp(of->field[f].from, "cell_width") ? of->field[f].from : "the width of a cell");
-  if (of->nfields) MpmPrint("\n");
-}
+  for (PetscInt f = 0; f < of->nfields; f++) {
+    const MpmFieldScale *field = &of->field[f];
+    json_t              *scale = MpmResultNext(result, "scales");
 
-json_t *MpmJsonScales(const MpmCertificates *of)
-{
-  json_t *scales = json_array();
-
-  for (PetscInt f = 0; f < of->nfields; f++)
-    json_array_append_new(scales, json_pack("{s:s, s:f, s:s}", "field", of->field[f].name, "scale", of->field[f].scale,
-                                            "from", of->field[f].from));
-  return scales;
-}
-
-json_t *MpmJsonCertificates(const MpmCertificates *of)
-{
-  json_t *certificates = json_object();
-
-  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
-    if (isnan(of->value[c])) continue;
-    json_object_set_new(certificates, MpmCertificateNames[c],
-                        json_pack("{s:o, s:f, s:b}", "value",
-                                  isfinite(of->value[c]) ? json_real(of->value[c]) : json_null(), "bound", of->bound[c],
-                                  "holds", !MpmCertificateFails(of, c)));
+    MpmResultSay(scale, "%s %s{field} %.6g{scale} (%s)", f ? "," : "", field->name, (double)field->scale,
+                 strcmp(field->from, "cell_width") ? field->from : "the width of a cell");
+    MpmResultKeep(scale, "%s{from}", field->from);
   }
-  return certificates;
+  if (of->nfields) MpmPrint("\n");
 }

@@ -14,19 +14,28 @@ static const MpmMatchField *Partner(const MpmCompareProgram *c, PetscInt f)
   return g;
 }
 
-static void PrintFields(const MpmCompareProgram *c)
+static void Fields(json_t *result, const MpmCompareProgram *c)
 {
   MpmPrint("fields:");
   for (PetscInt f = 0; f < c->own.nfields; f++)
-    MpmPrint("%s yours %s = %.6g x ours %s", f ? ";" : "", Partner(c, f)->name,
-             (double)c->match->factor[c->own.fields[f].first], c->own.fields[f].name);
+    MpmResultSay(MpmResultNext(result, "fields"), "%s yours %s{yours} = %.6g{factor} x ours %s{ours}", f ? ";" : "",
+                 Partner(c, f)->name, (double)c->match->factor[c->own.fields[f].first], c->own.fields[f].name);
   MpmPrint(" (yours in units of their scales; only ratios of these factors mean something)\n");
 }
 
-static void PrintDifferences(const MpmCompareProgram *c)
+static void Differences(json_t *result, const MpmCompareProgram *c)
 {
   const MpmMatch *m = c->match;
 
+  for (PetscInt i = 0; i < m->n; i++) {
+    const MpmDifference *e    = &m->differences[i];
+    json_t              *each = MpmResultNext(result, "differences");
+
+    for (PetscInt a = 0; a < c->blocks.dim; a++)
+      (void)json_array_append_new(MpmResultList(each, "d"), json_integer(e->d[a]));
+    MpmResultKeep(each, "%s{to} %s{from} %g{ours} %g{yours} %g{difference}", c->own.fields[e->to].name,
+                  c->own.fields[e->from].name, e->one, e->other, e->differ);
+  }
   if (!m->n) return;
   MpmPrint("  %-10s %-22s %-13s %-13s %s\n", "cell", "gives", "ours", "yours", "difference");
   for (PetscInt i = 0; i < PetscMin(m->n, ROWS); i++) {
@@ -77,68 +86,38 @@ static void PrintVerdict(const MpmCompareProgram *c)
         "its amplification factors are the same, though: it may be that step with its numbers kept in another form\n");
 }
 
-void MpmReportCompare(const MpmProgram *p, const MpmCompareProgram *c)
+void MpmReportCompare(json_t *result, const MpmProgram *p, const MpmCompareProgram *c)
 {
   const MpmScene *s = c->scene;
+  const MpmMatch *m = c->match;
 
+  MpmResultKeep(result, "%d{same?} %g{bound} %g{growth} %g{code_growth}", c->same, c->bound, c->growth, c->code);
   MpmPrint("\ncompared with ours: %s\n", p->request->compare);
-  MpmPrint("%s, %s basis, %s transfer, %s particles in a cell, Courant number %.6g\n", s->scheme.formulation->name,
-           s->scheme.basis->name, s->scheme.transfer->name,
-           MpmCountsText(s->layout.dim, s->layout.ppc, MPM_VECTOR_ROOM), (double)s->step.courant);
-  if (c->match->fits) PrintFields(c);
-  PrintDifferences(c);
-  MpmPrint("amplification factors of 8 waves: apart by at most %.1e", (double)c->match->factors);
+  MpmResultSay(result,
+               "%s{formulation}, %s{basis} basis, %s{transfer} transfer, %s particles in a cell, Courant number "
+               "%.6g{courant}\n",
+               s->scheme.formulation->name, s->scheme.basis->name, s->scheme.transfer->name,
+               MpmCountsText(s->layout.dim, s->layout.ppc, MPM_VECTOR_ROOM), (double)s->step.courant);
+  if (m->fits) {
+    MpmResultKeep(result, "%g{difference}", m->differ);
+    (void)MpmResultList(result, "fields");
+    (void)MpmResultList(result, "differences");
+    Fields(result, c);
+  } else
+    MpmResultKeep(result, "%s{why_not}", m->why_not);
+  Differences(result, c);
+  MpmResultSay(result, "amplification factors of 8 waves: apart by at most %.1e{factors_difference}",
+               (double)m->factors);
   for (int side = 0; side < 2; side++)
-    if (c->match->more[side])
-      MpmPrint("; %s has %" PetscInt_FMT " more a cell, of abs up to %.6g", side ? "yours" : "ours",
-               c->match->more[side], (double)c->match->most);
+    if (m->more[side])
+      MpmPrint("; %s has %" PetscInt_FMT " more a cell, of abs up to %.6g", side ? "yours" : "ours", m->more[side],
+               (double)m->most);
   MpmPrint("\ngrowth over all waves: yours %.9g, ours %.9g\n", (double)c->code, (double)c->growth);
   PrintVerdict(c);
-  for (PetscInt i = 0; i < c->nsame; i++) MpmPrint("%s %s\n", i ? "  and of" : "it is the step of", c->same_as[i]);
-  if (!c->same && !c->nsame) MpmPrint("it is the step of no scheme of ours with these cells and this Courant number\n");
-}
-
-static json_t *JsonDifferences(const MpmCompareProgram *c)
-{
-  json_t *list = json_array();
-
-  for (PetscInt i = 0; i < c->match->n; i++) {
-    const MpmDifference *e = &c->match->differences[i];
-    json_t              *d = json_array();
-
-    for (PetscInt a = 0; a < c->blocks.dim; a++) json_array_append_new(d, json_integer(e->d[a]));
-    json_array_append_new(list, json_pack("{s:o, s:s, s:s, s:f, s:f, s:f}", "d", d, "to", c->own.fields[e->to].name,
-                                          "from", c->own.fields[e->from].name, "ours", e->one, "yours", e->other,
-                                          "difference", e->differ));
+  (void)MpmResultList(result, "same_as");
+  for (PetscInt i = 0; i < c->nsame; i++) {
+    MpmPrint("%s %s\n", i ? "  and of" : "it is the step of", c->same_as[i]);
+    (void)json_array_append_new(MpmResultList(result, "same_as"), json_string(c->same_as[i]));
   }
-  return list;
-}
-
-json_t *MpmJsonCompare(const MpmCompareProgram *c)
-{
-  json_t *object = json_object(), *fields = json_array(), *same = json_array();
-
-  for (PetscInt i = 0; i < c->nsame; i++) json_array_append_new(same, json_string(c->same_as[i]));
-  json_object_set_new(object, "same_as", same);
-
-  json_object_set_new(object, "same", json_boolean(c->same));
-  MpmJsonSetText(object, "formulation", c->scene->scheme.formulation->name);
-  MpmJsonSetText(object, "transfer", c->scene->scheme.transfer->name);
-  MpmJsonSetText(object, "basis", c->scene->scheme.basis->name);
-  MpmJsonSet(object, "courant", c->scene->step.courant);
-  MpmJsonSet(object, "bound", c->bound);
-  MpmJsonSet(object, "growth", c->growth);
-  MpmJsonSet(object, "code_growth", c->code);
-  MpmJsonSet(object, "factors_difference", c->match->factors);
-  if (c->match->fits) {
-    MpmJsonSet(object, "difference", c->match->differ);
-    for (PetscInt f = 0; f < c->own.nfields; f++)
-      json_array_append_new(fields, json_pack("{s:s, s:s, s:f}", "ours", c->own.fields[f].name, "yours",
-                                              Partner(c, f)->name, "factor", c->match->factor[c->own.fields[f].first]));
-    json_object_set(object, "fields", fields);
-    json_object_set_new(object, "differences", JsonDifferences(c));
-  } else
-    MpmJsonSetText(object, "why_not", c->match->why_not);
-  json_decref(fields);
-  return object;
+  if (!c->same && !c->nsame) MpmPrint("it is the step of no scheme of ours with these cells and this Courant number\n");
 }

@@ -1,4 +1,4 @@
-/* The largest stable Courant number: prints it in words, and writes it as JSON and as CSV. */
+/* The largest stable Courant number in words, in the tree of results, and as CSV. */
 #include "report/results.h"
 #include "base/text.h"
 #include "scene/fields.h"
@@ -9,34 +9,26 @@
 
 #define ALONG 1e-3 /* a direction is that of an axis or of a diagonal within this */
 
-void MpmReportQuiet(const MpmCritical *c)
+void MpmReportQuiet(json_t *result, const MpmCritical *c)
 {
   if (isinf(c->quiet))
     MpmPrint("  no limit     and it cannot ring: theorem, no step raises the energy of the particles (docs/theory.md, "
              "section 12)\n");
   else if (c->quiet > 0)
-    MpmPrint("  cannot ring  up to %.10g: theorem, no step raises the energy of the particles (docs/theory.md, section "
-             "12)\n",
-             c->quiet);
+    MpmResultSay(result,
+                 "  cannot ring  up to %.10g{quiet}: theorem, no step raises the energy of the particles "
+                 "(docs/theory.md, section 12)\n",
+                 c->quiet);
+  if (isinf(c->quiet)) MpmResultPut(result, "quiet", json_string("no limit"));
   if (c->no_theorem)
-    MpmPrint("  may ring     the theorem of docs/theory.md, section 12, does not hold: %s\n", c->no_theorem);
+    MpmResultSay(result,
+                 "  may ring     the theorem of docs/theory.md, section 12, does not hold: %s{no_theorem}\n",
+                 c->no_theorem);
   if (c->cure)
-    MpmPrint("  with formulation %s in its place no step raises the energy of the particles up to %.6g, so that it "
-             "cannot ring\n",
-             c->cure->name, c->cured);
-}
-
-void MpmJsonSetQuiet(json_t *critical, const MpmCritical *c)
-{
-  if (isinf(c->quiet))
-    json_object_set_new(critical, "quiet", json_string("no limit"));
-  else if (c->quiet > 0)
-    MpmJsonSet(critical, "quiet", c->quiet);
-  if (c->cure) {
-    MpmJsonSetText(critical, "cure", c->cure->name);
-    MpmJsonSet(critical, "cure_quiet", c->cured);
-  }
-  if (c->no_theorem) MpmJsonSetText(critical, "no_theorem", c->no_theorem);
+    MpmResultSay(result,
+                 "  with formulation %s{cure} in its place no step raises the energy of the particles up to "
+                 "%.6g{cure_quiet}, so that it cannot ring\n",
+                 c->cure->name, c->cured);
 }
 
 /* A field of the scene as text: all digits for files, or six for headings. */
@@ -50,8 +42,8 @@ static PetscErrorCode FieldText(const MpmScene *s, const char name[], PetscBool 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Prints what is said about drift below the limit. */
-static PetscErrorCode PrintDrift(const MpmScene *s, const MpmCritical *c)
+/* What is said about drift below the limit. */
+static PetscErrorCode Drift(const MpmScene *s, const MpmCritical *c)
 {
   char drift[MPM_COUNTS_TEXT];
 
@@ -72,7 +64,7 @@ static PetscErrorCode PrintDrift(const MpmScene *s, const MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const MpmCritical *c)
+static PetscErrorCode Limit(json_t *result, const MpmScene *s, PetscReal tolerance, const MpmCritical *c)
 {
   const char *name =
       MpmSceneDrifts(s) ? "largest Courant number with growth within tolerance" : "critical Courant number";
@@ -102,20 +94,21 @@ static PetscErrorCode PrintLimit(const MpmScene *s, PetscReal tolerance, const M
   else
     MpmPrint("%s: %.6g%s%s\n", name, c->courant, c->windows.n ? ", with windows of growth below it" : "",
              MpmSceneDrifts(s) || !MpmSceneIsPeriodic(s) ? "" : ", for particles at rest (-drift for those that move)");
-  MpmReportWindows(2, c->courant, &c->windows);
+  MpmReportWindows(result, 2, c->courant, &c->windows);
   if (c->stable_at > 0 && isfinite(c->unstable_at))
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", tolerance, c->stable_at,
              c->unstable_at);
-  PetscCall(PrintDrift(s, c));
-  MpmReportQuiet(c);
+  PetscCall(Drift(s, c));
+  MpmReportQuiet(result, c);
   if (isfinite(c->doubtful))
     MpmPrint("  near %.6g amplification factors could not be told apart: a window there may be missed\n", c->doubtful);
   if (!isnan(c->closed) && isfinite(c->closed))
-    MpmPrint("  closed form  %.10g: %s\n", c->closed, s->scheme.formulation->limit_text);
+    MpmResultSay(result, "  closed form  %.10g{closed_form}: %s\n", c->closed, s->scheme.formulation->limit_text);
   if (c->bound > 0)
-    MpmPrint(
-        "  any layout   of such particles at rest is stable up to %.10g = 2 sqrt(D / chi), jittered or with gaps\n",
-        c->bound);
+    MpmResultSay(result,
+                 "  any layout   of such particles at rest is stable up to %.10g{bound} = 2 sqrt(D / chi), jittered or "
+                 "with gaps\n",
+                 c->bound);
   if (c->bound > 0 && MpmSceneIsPhysical(s))
     MpmPrint("               which is dt %.6g\n", MpmSceneTimeStep(s, c->bound));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -245,76 +238,50 @@ static void PrintSearch(const MpmScene *s, const MpmCritical *c)
              c->evaluations, c->order);
 }
 
-PetscErrorCode MpmCriticalPrint(const MpmScene *s, const MpmRequest *request, const MpmCritical *c,
-                                const MpmNeighbourhoods *all)
+/* What JSON alone has of the bulk. Another neighbourhood may have the least limit. */
+static void Bulk(json_t *result, PetscInt dim, const MpmCritical *c)
 {
-  PetscReal seconds = c ? c->seconds : 0;
+  if (isfinite(c->beta[0])) MpmResultVector(result, "limited_by_beta", dim, c->beta);
+  if (dim > 1 && c->wave != MPM_WAVE_NONE) MpmResultKeep(result, "%s{limited_by_wave}", MpmWaveTypeNames[c->wave]);
+  if (dim > 1 && c->phases) MpmResultKeep(result, "%" PetscInt_FMT "{phases}", c->phases);
+  MpmResultKeep(result, "%g{stable_at} %g{unstable_at} %g{fading}", c->stable_at, c->unstable_at, c->fading);
+  MpmResultKeep(result, "%g{growth_when_drifting} %g{growth_when_drifting_diagonally}", c->moving, c->moving_diagonal);
+  MpmResultKeep(result, "%d{threshold?} %" PetscInt64_FMT "{evaluations} %g{seconds}", c->threshold, c->evaluations,
+                c->seconds);
+}
+
+PetscErrorCode MpmCriticalReport(const MpmScene *s, const MpmRequest *request, const MpmCritical *c,
+                                 const MpmNeighbourhoods *all, PetscReal wall_s)
+{
+  const MpmFinding *finding = all ? &all->finding : &c->asked;
+  const PetscReal   courant = all ? all->courant : c->courant;
+  PetscReal         seconds = c ? c->seconds : 0;
+  json_t           *result, *critical;
 
   PetscFunctionBegin;
-  PetscCall(MpmReportScene(s, request));
+  PetscCall(MpmResultOfScene(s, request, &result));
+  critical = MpmResultIn(result, "critical");
+  MpmResultKeep(critical, "%g{critical_courant}", courant);
+  if (MpmSceneIsPhysical(s)) MpmResultKeep(critical, "%g{critical_dt}", MpmSceneTimeStep(s, courant));
   if (c) {
     MpmPrint("\n");
-    PetscCall(PrintLimit(s, request->tolerance, c));
+    PetscCall(Limit(critical, s, request->tolerance, c));
+    Bulk(critical, s->layout.dim, c);
     PrintReason(s->layout.dim, request, c);
     if (MpmSceneHasStep(s)) PrintAsked(s, request->tolerance, c);
   }
+  if (MpmSceneHasStep(s)) MpmResultFinding(result, finding);
   if (all)
-    MpmNeighbourhoodsPrint(s, request, PETSC_TRUE, all);
+    MpmNeighbourhoodsReport(critical, s, request, PETSC_TRUE, all);
   else if (MpmSceneHasStep(s))
-    MpmReportFinding(&c->asked, NAN);
+    MpmReportFinding(result, finding, NAN);
   if (c) PrintSearch(s, c);
   for (PetscInt i = 0; all && i < all->n; i++)
     if (all->of[i].kind != MPM_IN_BULK) seconds += all->of[i].seconds;
   MpmPrint("time: %.3g s\n", seconds);
-  MpmReportLimit(s, request->tolerance, all ? all->courant : c->courant, all ? all->finding.growth : c->asked.growth,
+  MpmReportLimit(s, request->tolerance, courant, finding->growth,
                  all ? MpmNeighbourhoodsHaveWindows(all) : (PetscBool)(c->windows.n > 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The wave that limits in two or three dimensions, if there is one. */
-static void SetWave(json_t *object, PetscInt dim, const MpmCritical *c)
-{
-  if (isfinite(c->beta[0])) MpmJsonSetVector(object, "limited_by_beta", dim, c->beta);
-  if (c->wave != MPM_WAVE_NONE) MpmJsonSetText(object, "limited_by_wave", MpmWaveTypeNames[c->wave]);
-  if (c->phases) MpmJsonSetCount(object, "phases", c->phases);
-}
-
-/* What the search in the bulk found, but for the limit, which may be that of another neighbourhood. */
-static void SetBulk(json_t *critical, PetscInt dim, const MpmCritical *c)
-{
-  if (dim == 1)
-    MpmJsonSet(critical, "limited_by_beta", c->beta[0]);
-  else
-    SetWave(critical, dim, c);
-  MpmJsonSet(critical, "stable_at", c->stable_at);
-  MpmJsonSet(critical, "unstable_at", c->unstable_at);
-  MpmJsonSet(critical, "closed_form", c->closed);
-  MpmJsonSet(critical, "fading", c->fading);
-  MpmJsonSetWindows(critical, &c->windows);
-  if (c->bound > 0) MpmJsonSet(critical, "bound", c->bound);
-  MpmJsonSetQuiet(critical, c);
-  MpmJsonSet(critical, "growth_when_drifting", c->moving);
-  MpmJsonSet(critical, "growth_when_drifting_diagonally", c->moving_diagonal);
-  json_object_set_new(critical, "threshold", json_boolean(c->threshold));
-  MpmJsonSetCount(critical, "evaluations", c->evaluations);
-  MpmJsonSet(critical, "seconds", c->seconds);
-}
-
-PetscErrorCode MpmCriticalWriteJson(const char path[], const MpmScene *s, const MpmCritical *c,
-                                    const MpmNeighbourhoods *all, PetscReal wall_s)
-{
-  const PetscReal courant = all ? all->courant : c->courant;
-  json_t         *object, *critical = json_object();
-
-  PetscFunctionBegin;
-  PetscCall(MpmJsonScene(s, "critical", wall_s, &object));
-  if (MpmSceneHasStep(s)) MpmJsonSetFinding(object, all ? &all->finding : &c->asked);
-  MpmJsonSet(critical, "critical_courant", courant);
-  if (MpmSceneIsPhysical(s)) MpmJsonSet(critical, "critical_dt", MpmSceneTimeStep(s, courant));
-  if (c) SetBulk(critical, s->layout.dim, c);
-  if (all) MpmNeighbourhoodsJson(s, all, PETSC_TRUE, critical);
-  json_object_set_new(object, "critical", critical);
-  PetscCall(MpmJsonWrite(path, object));
+  PetscCall(MpmResultEnd(request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,4 +1,4 @@
-/* Growth at a fixed Mach number: prints what was searched and found, and writes it as JSON and as CSV. */
+/* Growth at a fixed Mach number: what was searched and found, and the same as CSV. */
 #include "base/textfile.h"
 #include "report/report.h"
 #include "report/results.h"
@@ -10,7 +10,7 @@ static void PrintTimeStep(const MpmScene *s, PetscReal courant)
   if (MpmSceneIsPhysical(s)) MpmPrint(", dt %.6g", MpmSceneTimeStep(s, courant));
 }
 
-/* A point in words: its Courant number, its drift in the first direction that moves, and its growth. */
+/* A point: its Courant number, its drift in the first direction that moves, and its growth. */
 static void PrintPoint(const MpmScene *s, const MpmMach *mach, const MpmMachPoint *p)
 {
   MpmFraction drift[MPM_MAX_DIM];
@@ -27,7 +27,7 @@ static void PrintPoint(const MpmScene *s, const MpmMach *mach, const MpmMachPoin
     MpmPrint("growth - 1 = %.3g per step, %.3g per time h/c\n", p->growth - 1, expm1(log(p->growth) / p->courant));
 }
 
-static void PrintFound(const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c)
+static void Found(json_t *result, const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c)
 {
   const MpmMach *mach = &request->mach;
 
@@ -41,29 +41,53 @@ static void PrintFound(const MpmScene *s, const MpmRequest *request, const MpmCr
     MpmPrint("\n");
   }
   if (c->stable < c->n) {
+    const MpmMachPoint *first = &c->points[c->stable], *fastest = &c->points[c->worst];
+
     MpmPrint("  first      ");
-    PrintPoint(s, mach, &c->points[c->stable]);
+    PrintPoint(s, mach, first);
     MpmPrint("  fastest    ");
-    PrintPoint(s, mach, &c->points[c->worst]);
+    PrintPoint(s, mach, fastest);
     MpmPrint("             of those %s\n",
              c->rest > 0 && c->rest < c->to ? "up to the limit of particles at rest" : "that were searched");
     MpmPrint("  in all     %" PetscInt_FMT " of %" PetscInt_FMT " grow, %" PetscInt_FMT " are undecided\n", c->unstable,
              c->n, c->undecided);
+    MpmResultKeep(result, "%g{unstable_at} %g{growth_at_unstable} %g{fastest_at} %g{fastest_growth}", first->courant,
+                  first->growth, fastest->courant, fastest->growth);
   }
   MpmPrint("  Growth of moving particles is not monotone. Between these Courant numbers nothing was computed.\n");
 }
 
-PetscErrorCode MpmCriticalMachPrint(const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c)
+/* What JSON alone has. */
+static void Keep(json_t *result, const MpmScene *s, const MpmMach *mach, const MpmCriticalMach *c)
 {
+  PetscReal numbers[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < s->layout.dim; a++) numbers[a] = (PetscReal)mach->times[a] * mach->unit.value;
+  MpmResultNumbers(result, "mach", s->layout.dim, numbers);
+  if (c->stable) MpmResultKeep(result, "%g{critical_courant}", c->points[c->stable - 1].courant);
+  if (c->stable && MpmSceneIsPhysical(s))
+    MpmResultKeep(result, "%g{critical_dt}", MpmSceneTimeStep(s, c->points[c->stable - 1].courant));
+  MpmResultKeep(result, "%" PetscInt_FMT "{unstable} %" PetscInt_FMT "{undecided} %g{rest_courant} %g{seconds}",
+                c->unstable, c->undecided, c->rest, c->seconds);
+}
+
+PetscErrorCode MpmCriticalMachReport(const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c,
+                                     PetscReal wall_s)
+{
+  json_t *result, *critical;
 
   PetscFunctionBegin;
-  PetscCall(MpmReportScene(s, request));
-  MpmPrint("\nat a fixed velocity the drift is M k: %" PetscInt_FMT
-           " Courant numbers from %.6g to %.6g were searched\n",
-           c->n, c->points[0].courant, c->points[c->n - 1].courant);
+  PetscCall(MpmResultOfScene(s, request, &result));
+  if (!MpmSceneHasStep(s)) (void)json_object_del(result, "drift"); /* that of the default Courant number */
+  critical = MpmResultIn(result, "critical");
+  Keep(critical, s, &request->mach, c);
+  MpmResultSay(critical,
+               "\nat a fixed velocity the drift is M k: %" PetscInt_FMT
+               "{searched} Courant numbers from %.6g{searched_from} to %.6g{searched_to} were searched\n",
+               c->n, c->points[0].courant, c->points[c->n - 1].courant);
   MpmPrint("  M k is each fraction with a denominator up to %d, and those near %" PetscInt_FMT " equal steps of k\n",
            MPM_CRITICAL_MACH_ALL, c->steps);
-  PrintFound(s, request, c);
+  Found(critical, s, request, c);
   if (c->rest > 0 && isfinite(c->rest)) {
     MpmPrint("  at rest    the limit is %.6g", c->rest);
     PrintTimeStep(s, c->rest);
@@ -73,44 +97,11 @@ PetscErrorCode MpmCriticalMachPrint(const MpmScene *s, const MpmRequest *request
     MpmPrint("\nat Courant number %.6g", s->step.courant);
     PrintTimeStep(s, s->step.courant);
     MpmPrint(": growth %.9g per step\n", c->asked.growth);
-    MpmReportQuiet(&c->theorem);
-    MpmReportFinding(&c->asked, NAN);
+    MpmReportQuiet(critical, &c->theorem);
+    MpmReportFinding(result, &c->asked, NAN);
   }
   MpmPrint("time: %.3g s\n", c->seconds);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmCriticalMachWriteJson(const MpmScene *s, const MpmRequest *request, const MpmCriticalMach *c,
-                                        PetscReal wall_s)
-{
-  json_t   *object, *critical = json_object();
-  PetscReal mach[MPM_MAX_DIM];
-
-  PetscFunctionBegin;
-  PetscCall(MpmJsonScene(s, "critical", wall_s, &object));
-  if (MpmSceneHasStep(s)) MpmJsonSetFinding(object, &c->asked);
-  for (PetscInt a = 0; a < s->layout.dim; a++) mach[a] = (PetscReal)request->mach.times[a] * request->mach.unit.value;
-  if (!MpmSceneHasStep(s)) json_object_del(object, "drift"); /* that of the default Courant number */
-  json_object_set_new(critical, "mach", MpmJsonNumbers(s->layout.dim, mach));
-  if (c->stable) MpmJsonSet(critical, "critical_courant", c->points[c->stable - 1].courant);
-  if (c->stable && MpmSceneIsPhysical(s))
-    MpmJsonSet(critical, "critical_dt", MpmSceneTimeStep(s, c->points[c->stable - 1].courant));
-  if (c->stable < c->n) {
-    MpmJsonSet(critical, "unstable_at", c->points[c->stable].courant);
-    MpmJsonSet(critical, "growth_at_unstable", c->points[c->stable].growth);
-    MpmJsonSet(critical, "fastest_at", c->points[c->worst].courant);
-    MpmJsonSet(critical, "fastest_growth", c->points[c->worst].growth);
-  }
-  MpmJsonSet(critical, "rest_courant", c->rest);
-  MpmJsonSet(critical, "searched_from", c->points[0].courant);
-  MpmJsonSet(critical, "searched_to", c->points[c->n - 1].courant);
-  MpmJsonSetCount(critical, "searched", c->n);
-  MpmJsonSetCount(critical, "unstable", c->unstable);
-  MpmJsonSetCount(critical, "undecided", c->undecided);
-  if (MpmSceneHasStep(s)) MpmJsonSetQuiet(critical, &c->theorem);
-  MpmJsonSet(critical, "seconds", c->seconds);
-  json_object_set_new(object, "critical", critical);
-  PetscCall(MpmJsonWrite(request->json, object));
+  PetscCall(MpmResultEnd(request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,4 +1,4 @@
-/* The limits of a code that was probed: a table for people, and JSON. */
+/* The limits of a code that was probed. */
 #include "report/report_program.h"
 #include <math.h>
 #include <string.h>
@@ -7,12 +7,13 @@ static const char *const rows[]  = {"interior", "free block", "lone particle", "
 static const char *const texts[] = {"cells alike in all directions, without an edge", "with nothing around it",
                                     "a particle with nothing around it", "the particles that the code described"};
 
-static void PrintLimit(const MpmCriticalProgram *c, MpmProgramLimitKind kind)
+static void Limit(json_t *result, const MpmCriticalProgram *c, MpmProgramLimitKind kind)
 {
   const PetscReal limit     = c->limit[kind];
   char            block[32] = "";
 
   if (isnan(limit)) return;
+  if (isfinite(limit)) MpmResultPut(MpmResultIn(result, "limits"), MpmProgramLimitNames[kind], json_real(limit));
   if (kind == MPM_LIMIT_BLOCK) (void)snprintf(block, sizeof block, "%" PetscInt_FMT " cells each way, ", c->block);
   if (isinf(limit))
     MpmPrint("  %-14s %-13s %s%s; all steps that were tried, up to 1000 times the code's own, are stable\n", rows[kind],
@@ -43,46 +44,34 @@ void MpmReportCriticalPlan(const MpmCriticalProgram *c)
   MpmPrint("\n");
 }
 
-void MpmReportCriticalProgram(const MpmProgram *p, const MpmCriticalProgram *c)
+PetscErrorCode MpmCriticalProgramReport(const MpmProgram *p, const MpmCriticalProgram *c, PetscReal wall_s)
 {
-  MpmReportCertificates(&p->certificates);
-  MpmReportApart(p);
+  json_t *result, *found;
+
+  PetscFunctionBegin;
+  PetscCall(MpmResultOfFile(p->request, NULL, &result));
+  found = MpmResultIn(result, "critical");
+  MpmReportProbed(result, p);
   MpmPrint("\nlargest stable %s, in the code's own units\n", c->name);
-  for (MpmProgramLimitKind kind = 0; kind < MPM_LIMIT_KINDS; kind++) PrintLimit(c, kind);
+  (void)MpmResultIn(found, "limits");
+  for (MpmProgramLimitKind kind = 0; kind < MPM_LIMIT_KINDS; kind++) Limit(found, c, kind);
+  if (!isnan(c->limit[MPM_LIMIT_INTERIOR])) MpmResultVector(found, "limited_by_beta", c->dim, c->beta);
   if (isfinite(c->limit[MPM_LIMIT_INTERIOR]) && c->limit[MPM_LIMIT_INTERIOR] > 0)
     MpmPrint("the wave that limits the interior: beta = %s\n", MpmVectorText(c->dim, c->beta, 6, MPM_VECTOR_ROOM));
   if (c->carriers.n) MpmPrint("what limits: the %s\n", rows[c->least]);
-  MpmReportCarriers(&c->carriers);
+  if (c->carriers.n) MpmReportCarriers(found, &c->carriers);
   PrintMissing(p, c);
+  MpmResultKeep(found, "%g{critical_dt} %g{given_dt} %g{seconds}", c->critical, c->given, wall_s);
   if (c->why)
-    MpmPrint("critical %s: undecided, since %s\n", c->name, c->why);
+    MpmResultSay(found, "critical %s: undecided, since %s{undecided}\n", c->name, c->why);
   else if (isfinite(c->critical) && c->critical > 0)
     MpmPrint("critical %s: %.7g; the code came with %.7g, %.4g%% of it\n", c->name, (double)c->critical,
              (double)c->given, (double)(100 * c->given / c->critical));
-  MpmPrint("%" PetscInt_FMT " operators were built, with %" PetscInt64_FMT " calls on the first rank\n\nat %s = %.7g\n",
-           c->probes, c->calls, c->name, (double)c->given);
-  MpmReportFinding(&c->finding, NAN);
-}
-
-PetscErrorCode MpmCriticalProgramWriteJson(const MpmProgram *p, const MpmCriticalProgram *c, PetscReal wall_s)
-{
-  json_t *object, *critical = json_object(), *limits = json_object();
-
-  PetscFunctionBegin;
-  PetscCall(MpmJsonFile(p->request, wall_s, &object));
-  MpmJsonSetFinding(object, &c->finding);
-  MpmJsonSet(critical, "critical_dt", c->critical);
-  MpmJsonSet(critical, "given_dt", c->given);
-  for (MpmProgramLimitKind kind = 0; kind < MPM_LIMIT_KINDS; kind++)
-    MpmJsonSet(limits, MpmProgramLimitNames[kind], c->limit[kind]);
-  json_object_set_new(critical, "limits", limits);
-  if (!isnan(c->limit[MPM_LIMIT_INTERIOR])) MpmJsonSetVector(critical, "limited_by_beta", c->dim, c->beta);
-  if (c->carriers.n) json_object_set_new(critical, "carriers", MpmJsonCarriers(&c->carriers));
-  MpmJsonSetCount(critical, "evaluations", c->probes);
-  MpmJsonSet(critical, "seconds", wall_s);
-  if (c->why) MpmJsonSetText(critical, "undecided", c->why);
-  json_object_set_new(object, "critical", critical);
-  json_object_set_new(object, "probing", MpmJsonProgram(p));
-  PetscCall(MpmJsonWrite(p->request->json, object));
+  MpmResultSay(found,
+               "%" PetscInt_FMT "{evaluations} operators were built, with %" PetscInt64_FMT
+               " calls on the first rank\n\nat %s = %.7g\n",
+               c->probes, c->calls, c->name, (double)c->given);
+  MpmReportFinding(result, &c->finding, NAN);
+  PetscCall(MpmResultEnd(p->request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

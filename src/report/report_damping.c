@@ -1,4 +1,4 @@
-/* How waves are damped and how far their frequency is off: prints it, and writes it as JSON, CSV and HDF5. */
+/* How waves are damped and how far their frequency is off, in words, and as JSON, CSV and HDF5. */
 #include "report/results.h"
 #include "base/textfile.h"
 #include "report/report.h"
@@ -34,7 +34,19 @@ static void PrintStep(const MpmDamping *d, PetscInt i, PetscReal unit)
   }
 }
 
-void MpmDampingPrint(const MpmScene *scene, const MpmDamping *d)
+/* Keeps a list for each time step. */
+static void Rows(json_t *result, const char name[], const MpmDamping *d, const PetscReal values[], PetscReal unit)
+{
+  for (PetscInt i = 0; i < d->nsteps; i++) {
+    json_t *row = json_array();
+
+    for (const PetscReal *v = values + d->nwaves * i; v < values + d->nwaves * (i + 1); v++)
+      (void)json_array_append_new(row, isfinite(*v) ? json_real(*v * unit) : json_null());
+    (void)json_array_append_new(MpmResultList(result, name), row);
+  }
+}
+
+void MpmDampingReport(json_t *result, const MpmScene *scene, const MpmDamping *d)
 {
   const PetscReal unit = MpmSceneIsPhysical(scene) ? scene->wave_speed / scene->cell_width : 0;
 
@@ -45,36 +57,13 @@ void MpmDampingPrint(const MpmScene *scene, const MpmDamping *d)
   MpmPrint("  %13s  %15s  %7s\n", "kept a period", "frequency error", "match");
   for (PetscInt i = 0; i < d->nsteps; i++) PrintStep(d, i, unit);
   MpmPrint("\n");
-}
-
-/* A list for each time step. */
-static json_t *Rows(const MpmDamping *d, const PetscReal values[], PetscReal unit)
-{
-  json_t *array = json_array();
-
-  for (PetscInt i = 0; i < d->nsteps; i++) {
-    json_t *row = json_array();
-
-    for (const PetscReal *v = values + d->nwaves * i; v < values + d->nwaves * (i + 1); v++)
-      json_array_append_new(row, isfinite(*v) ? json_real(*v * unit) : json_null());
-    json_array_append_new(array, row);
-  }
-  return array;
-}
-
-json_t *MpmDampingJson(const MpmScene *scene, const MpmDamping *d)
-{
-  json_t *object = json_object();
-
-  json_object_set_new(object, "wavelength", MpmJsonNumbers(d->nwaves, d->wavelength));
-  json_object_set_new(object, "courant", MpmJsonNumbers(d->nsteps, d->courant));
-  json_object_set_new(object, "decay", Rows(d, d->decay, 1));
-  if (MpmSceneIsPhysical(scene))
-    json_object_set_new(object, "decay_per_time", Rows(d, d->decay, scene->wave_speed / scene->cell_width));
-  json_object_set_new(object, "frequency_error", Rows(d, d->frequency, 1));
-  json_object_set_new(object, "match", Rows(d, d->match, 1));
-  MpmJsonSet(object, "seconds", d->seconds);
-  return object;
+  MpmResultNumbers(result, "wavelength", d->nwaves, d->wavelength);
+  MpmResultNumbers(result, "courant", d->nsteps, d->courant);
+  Rows(result, "decay", d, d->decay, 1);
+  if (unit > 0) Rows(result, "decay_per_time", d, d->decay, unit);
+  Rows(result, "frequency_error", d, d->frequency, 1);
+  Rows(result, "match", d, d->match, 1);
+  MpmResultKeep(result, "%g{seconds}", d->seconds);
 }
 
 PetscErrorCode MpmDampingWriteCsv(const MpmDamping *d, const char path[])

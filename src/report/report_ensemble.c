@@ -1,4 +1,4 @@
-/* The share of unstable layouts: prints it in words, and writes it as JSON and as CSV. */
+/* The share of unstable layouts, and growth of each as CSV. */
 #include "report/results.h"
 #include "base/textfile.h"
 #include "report/report.h"
@@ -19,46 +19,32 @@ static void PrintVerdict(const MpmEnsemble *e)
   MpmPrint("evidence: %s\n", e->finding.evidence);
 }
 
-PetscErrorCode MpmEnsemblePrint(const MpmEnsemble *e)
+PetscErrorCode MpmEnsembleReport(const MpmEnsemble *e, PetscReal wall_s)
 {
+  json_t *result, *found;
 
   PetscFunctionBegin;
-  PetscCall(MpmReportScene(e->scene, e->request));
-  MpmPrint("\nlayouts    %" PetscInt_FMT ", seeds %" PetscInt64_FMT " to %" PetscInt64_FMT "\n", e->n,
-           e->scene->layout.seed, e->scene->layout.seed + e->n - 1);
-  MpmPrint("unstable   %" PetscInt_FMT "\nundecided  %" PetscInt_FMT "\n", e->unstable, e->undecided);
+  PetscCall(MpmResultOfScene(e->scene, e->request, &result));
+  found = MpmResultIn(result, "ensemble");
+  MpmResultFinding(result, &e->finding);
+  MpmResultKeep(found, "%g{share} %g{tolerance} %g{seconds}", e->share, e->request->tolerance, e->seconds);
+  MpmResultNumbers(found, "interval", 2, e->interval);
+  MpmResultSay(found, "\nlayouts    %" PetscInt_FMT "{layouts}, seeds %" PetscInt64_FMT " to %" PetscInt64_FMT "\n",
+               e->n, e->scene->layout.seed, e->scene->layout.seed + e->n - 1);
+  MpmResultSay(found, "unstable   %" PetscInt_FMT "{unstable}\nundecided  %" PetscInt_FMT "{undecided}\n", e->unstable,
+               e->undecided);
   MpmPrint("share      %.4g%%, with 95%% confidence from %.4g%% to %.4g%% (Wilson)\n", 100 * e->share,
            100 * e->interval[0], 100 * e->interval[1]);
   if (isnan(e->growth_max))
     MpmPrint("growth     of no layout is known\n");
   else
-    MpmPrint("growth     per step: smallest %.9g, median %.9g, largest %.9g (-seed %" PetscInt64_FMT ")\n",
-             e->growth_min, e->growth_median, e->growth_max, e->worst_seed);
+    MpmResultSay(found,
+                 "growth     per step: smallest %.9g{growth_min}, median %.9g{growth_median}, largest %.9g{growth_max} "
+                 "(-seed %" PetscInt64_FMT "{worst_seed})\n",
+                 e->growth_min, e->growth_median, e->growth_max, e->worst_seed);
   PrintVerdict(e);
   MpmPrint("time: %.3g s\n", e->seconds);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmEnsembleWriteJson(const MpmEnsemble *e, PetscReal wall_s)
-{
-  json_t *object, *ensemble = json_object();
-
-  PetscFunctionBegin;
-  PetscCall(MpmJsonScene(e->scene, "ensemble", wall_s, &object));
-  MpmJsonSetFinding(object, &e->finding);
-  MpmJsonSetCount(ensemble, "layouts", e->n);
-  MpmJsonSetCount(ensemble, "unstable", e->unstable);
-  MpmJsonSetCount(ensemble, "undecided", e->undecided);
-  MpmJsonSet(ensemble, "share", e->share);
-  json_object_set_new(ensemble, "interval", json_pack("[f, f]", e->interval[0], e->interval[1]));
-  MpmJsonSet(ensemble, "growth_min", e->growth_min);
-  MpmJsonSet(ensemble, "growth_median", e->growth_median);
-  MpmJsonSet(ensemble, "growth_max", e->growth_max);
-  if (!isnan(e->growth_max)) MpmJsonSetCount(ensemble, "worst_seed", e->worst_seed);
-  MpmJsonSet(ensemble, "tolerance", e->request->tolerance);
-  MpmJsonSet(ensemble, "seconds", e->seconds);
-  json_object_set_new(object, "ensemble", ensemble);
-  PetscCall(MpmJsonWrite(e->request->json, object));
+  PetscCall(MpmResultEnd(e->request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

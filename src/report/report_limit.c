@@ -18,17 +18,25 @@ static void PrintGrowth(PetscReal tolerance, PetscReal growth)
     MpmPrint(", but growth is still within tolerance");
 }
 
-void MpmReportWindows(PetscInt blanks, PetscReal courant, const MpmCriticalWindows *windows)
+void MpmReportWindows(json_t *result, PetscInt blanks, PetscReal courant, const MpmCriticalWindows *windows)
 {
-  if (!windows->looked || !(courant > 0)) return;
+  const PetscBool said = courant > 0 ? PETSC_TRUE : PETSC_FALSE;
+
+  if (!windows->looked) return;
+  MpmResultKeep(result, "%" PetscInt_FMT "{looked_at}", windows->looked);
+  (void)MpmResultList(result, "windows");
   for (PetscInt i = 0; i < windows->n; i++) {
     const MpmCriticalWindow *w = &windows->window[i];
 
-    MpmPrint("%*sbelow that there is growth from %.6g to %.6g, by a factor of up to %.9g per step, at %.6g\n",
-             (int)blanks, "", w->from, w->to, w->growth, w->at);
+    if (said)
+      MpmPrint("%*sbelow that there is growth from %.6g to %.6g, by a factor of up to %.9g per step, at %.6g\n",
+               (int)blanks, "", w->from, w->to, w->growth, w->at);
+    (void)json_array_append_new(MpmResultList(result, "windows"), json_pack("[f, f, f]", w->from, w->to, w->growth));
   }
-  MpmPrint("%*s%sgrowth was looked at for %" PetscInt_FMT " Courant numbers; a window between two of them is missed\n",
-           (int)blanks, "", windows->n ? "" : "below that there is no growth; ", windows->looked);
+  if (said)
+    MpmPrint("%*s%sgrowth was looked at for %" PetscInt_FMT
+             " Courant numbers; a window between two of them is missed\n",
+             (int)blanks, "", windows->n ? "" : "below that there is no growth; ", windows->looked);
 }
 
 void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth, PetscBool windows)

@@ -1,4 +1,4 @@
-/* Neighbourhoods: a line for each, and a sentence about the worst; the same as JSON. */
+/* Neighbourhoods: a line for each, and a sentence about the worst. */
 #include "report/report.h"
 #include "base/text.h"
 #include "report/results.h"
@@ -183,18 +183,47 @@ static void PrintVerdict(const MpmScene *s, const MpmNeighbourhoods *all)
   MpmPrint("evidence: %s\n", f->evidence);
 }
 
-void MpmNeighbourhoodsPrint(const MpmScene *s, const MpmRequest *request, PetscBool limits,
-                            const MpmNeighbourhoods *all)
+/* Growth is at the scene's own Courant number, which a critical in physical units need not have. */
+static void Keep(json_t *result, const MpmScene *s, PetscBool limits, const MpmNeighbourhood *one)
 {
-  PetscBool places = PETSC_FALSE;
+  const PetscBool grows = !limits || MpmSceneHasStep(s) ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt  dim   = s->layout.dim;
+
+  MpmResultKeep(result, "%g{critical_courant}", one->courant);
+  if (MpmSceneIsPhysical(s)) MpmResultKeep(result, "%g{critical_dt}", MpmSceneTimeStep(s, one->courant));
+  if (grows) MpmResultKeep(result, "%g{growth} %s{verdict}", one->growth, MpmVerdictNames[one->verdict]);
+  if (Has(dim, one->place)) MpmResultNumbers(result, "place", dim, one->place);
+  if (Has(dim, one->beta)) MpmResultNumbers(result, "limited_by_beta", dim, one->beta);
+  if (one->kind != MPM_IN_BULK && !isnan(one->courant)) MpmResultKeep(result, "%d{approached?}", one->approached);
+  if (one->why_not) MpmResultKeep(result, "%s{undecided}", one->why_not);
+  if (one->layouts)
+    MpmResultKeep(result, "%" PetscInt_FMT "{layouts} %" PetscInt64_FMT "{worst_seed}", one->layouts, one->worst_seed);
+  if (one->layouts && grows)
+    MpmResultKeep(result, "%" PetscInt_FMT "{unstable} %g{share}", one->unstable,
+                  (PetscReal)one->unstable / (PetscReal)one->layouts);
+  MpmResultKeep(result, "%" PetscInt64_FMT "{evaluations} %g{seconds}", one->evaluations, one->seconds);
+}
+
+void MpmNeighbourhoodsReport(json_t *result, const MpmScene *s, const MpmRequest *request, PetscBool limits,
+                             const MpmNeighbourhoods *all)
+{
+  const PetscInt worst  = !limits ? all->fastest : isnan(all->courant) ? MPM_NONE : all->least;
+  PetscBool      places = PETSC_FALSE;
 
   MpmPrint("\nwhere    %-11s%s reason\n", limits ? "limit" : "growth",
            limits && MpmSceneIsPhysical(s) ? " time step   " : "");
   for (PetscInt i = 0; i < all->n; i++) {
-    PrintLine(s, request, limits, &all->of[i]);
-    if (limits) MpmReportWindows(9, all->of[i].courant, &all->of[i].windows);
-    if (Has(s->layout.dim, all->of[i].place)) places = PETSC_TRUE;
+    const MpmNeighbourhood *one = &all->of[i];
+    json_t                 *its = MpmResultIn(MpmResultIn(result, "neighbourhoods"), MpmNeighbourhoodNames[one->kind]);
+
+    PrintLine(s, request, limits, one);
+    Keep(its, s, limits, one);
+    MpmReportWindows(its, 9, limits ? one->courant : 0, &one->windows);
+    if (Has(s->layout.dim, one->place)) places = PETSC_TRUE;
   }
+  if (worst != MPM_NONE)
+    MpmResultPut(result, limits ? "limited_by_neighbourhood" : "worst_neighbourhood",
+                 json_string(MpmNeighbourhoodNames[all->of[worst].kind]));
   if (places) MpmPrint("xi is the place in a cell, 0 on its left node and 1 on its right\n");
   if (MpmSceneDrifts(s))
     MpmPrint(request->neighbourhood[MPM_IN_BULK]
@@ -205,50 +234,4 @@ void MpmNeighbourhoodsPrint(const MpmScene *s, const MpmRequest *request, PetscB
              all->bound);
   if (limits) PrintLeast(s, request, all);
   if (MpmSceneHasStep(s) || !limits) PrintVerdict(s, all);
-}
-
-/* Growth is at the scene's own Courant number, which a critical in physical units need not have. */
-static json_t *One(const MpmScene *s, const MpmNeighbourhood *one, PetscBool limits)
-{
-  const PetscBool grows = !limits || MpmSceneHasStep(s) ? PETSC_TRUE : PETSC_FALSE;
-
-  const PetscInt dim    = s->layout.dim;
-  json_t        *object = json_object();
-
-  MpmJsonSet(object, "critical_courant", one->courant);
-  if (MpmSceneIsPhysical(s)) MpmJsonSet(object, "critical_dt", MpmSceneTimeStep(s, one->courant));
-  if (grows) {
-    MpmJsonSet(object, "growth", one->growth);
-    MpmJsonSetText(object, "verdict", MpmVerdictNames[one->verdict]);
-  }
-  if (Has(dim, one->place)) json_object_set_new(object, "place", MpmJsonNumbers(dim, one->place));
-  if (Has(dim, one->beta)) json_object_set_new(object, "limited_by_beta", MpmJsonNumbers(dim, one->beta));
-  if (one->kind != MPM_IN_BULK && !isnan(one->courant))
-    json_object_set_new(object, "approached", json_boolean(one->approached));
-  if (one->why_not) MpmJsonSetText(object, "undecided", one->why_not);
-  if (one->layouts) {
-    MpmJsonSetCount(object, "layouts", one->layouts);
-    MpmJsonSetCount(object, "worst_seed", one->worst_seed);
-  }
-  if (one->layouts && grows) {
-    MpmJsonSetCount(object, "unstable", one->unstable);
-    json_object_set_new(object, "share", json_real((PetscReal)one->unstable / (PetscReal)one->layouts));
-  }
-  MpmJsonSetWindows(object, &one->windows);
-  MpmJsonSetCount(object, "evaluations", one->evaluations);
-  MpmJsonSet(object, "seconds", one->seconds);
-  return object;
-}
-
-void MpmNeighbourhoodsJson(const MpmScene *s, const MpmNeighbourhoods *all, PetscBool limits, json_t *object)
-{
-  const PetscInt worst = !limits ? all->fastest : isnan(all->courant) ? MPM_NONE : all->least;
-  json_t        *each  = json_object();
-
-  for (PetscInt i = 0; i < all->n; i++)
-    json_object_set_new(each, MpmNeighbourhoodNames[all->of[i].kind], One(s, &all->of[i], limits));
-  json_object_set_new(object, "neighbourhoods", each);
-  if (worst != MPM_NONE)
-    MpmJsonSetText(object, limits ? "limited_by_neighbourhood" : "worst_neighbourhood",
-                   MpmNeighbourhoodNames[all->of[worst].kind]);
 }

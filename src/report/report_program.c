@@ -1,4 +1,4 @@
-/* A code that was probed, and its certificates: tables for people, and JSON. */
+/* A code that was probed, and its certificates. */
 #include "report/report_program.h"
 #include <math.h>
 
@@ -67,13 +67,11 @@ static void PrintMost(const MpmStepper *s, MpmCertificate c, PetscInt64 unknown)
 }
 
 /* Names the numbers of particles that are set apart, field by field. */
-void MpmReportApart(const MpmProgram *p)
+static void Apart(const MpmProgram *p)
 {
   const MpmStepper *s       = p->stepper;
   const char       *between = "";
 
-  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++)
-    if (MpmCertificateFails(&p->certificates, c)) PrintMost(s, c, p->certificates.most[c]);
   if (p->unread.n == s->width) return;
   MpmPrint("set apart, since nothing reads them back (they hold the eigenvalue %.6g): ", (double)p->unread.factor);
   for (PetscInt f = 0; f < s->nfields; f++) {
@@ -88,47 +86,43 @@ void MpmReportApart(const MpmProgram *p)
   MpmPrint("\n");
 }
 
-json_t *MpmJsonProgram(const MpmProgram *p)
+void MpmReportProbed(json_t *result, const MpmProgram *p)
 {
-  const MpmStepper *s = p->stepper;
-  json_t           *object, *apart = json_array();
+  const MpmStepper *s  = p->stepper;
+  json_t           *in = MpmResultIn(result, "probing");
 
-  object = json_pack("{s:s, s:s, s:I, s:i, s:i, s:I, s:b, s:f, s:f}", "name", s->name, "probing",
-                     MpmProbeNames[p->kind], "particles", (json_int_t)s->particles, "numbers", (int)s->width, "steps",
-                     (int)p->probe.steps, "calls", (json_int_t)s->calls, "single", (int)p->probe.single, "size",
-                     p->probe.size, "other_size", p->probe.other);
-  json_object_set_new(object, "certificates", MpmJsonCertificates(&p->certificates));
-  json_object_set_new(object, "scales", MpmJsonScales(&p->certificates));
+  MpmResultKeep(in, "%s{name} %s{probing} %" PetscInt64_FMT "{particles} %" PetscInt_FMT "{numbers}", s->name,
+                MpmProbeNames[p->kind], s->particles, s->width);
+  MpmResultKeep(in, "%" PetscInt_FMT "{steps} %" PetscInt64_FMT "{calls} %d{single?} %g{size} %g{other_size}",
+                p->probe.steps, s->calls, p->probe.single, p->probe.size, p->probe.other);
+  MpmReportCertificates(in, &p->certificates);
   for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
-    if (isnan(p->certificates.value[c]) || p->certificates.most[c] == MPM_NONE) continue;
-    json_object_set_new(json_object_get(json_object_get(object, "certificates"), MpmCertificateNames[c]), "particle",
-                        json_integer((json_int_t)(p->certificates.most[c] / s->width)));
+    const PetscInt64 most = p->certificates.most[c];
+
+    if (MpmCertificateFails(&p->certificates, c)) PrintMost(s, c, most);
+    if (!isnan(p->certificates.value[c]) && most != MPM_NONE)
+      MpmResultKeep(MpmResultIn(MpmResultIn(in, "certificates"), MpmCertificateNames[c]),
+                    "%" PetscInt64_FMT "{particle}", most / s->width);
   }
+  Apart(p);
+  (void)MpmResultList(in, "set_apart");
   for (PetscInt i = 0; i < s->width && p->unread.apart; i++)
-    if (p->unread.apart[i]) json_array_append_new(apart, json_integer(i));
-  json_object_set_new(object, "set_apart", apart);
-  return object;
+    if (p->unread.apart[i]) (void)json_array_append_new(MpmResultList(in, "set_apart"), json_integer(i));
 }
 
-void MpmReportCarriers(const MpmCarriers *c)
+void MpmReportCarriers(json_t *result, const MpmCarriers *c)
 {
+  (void)MpmResultList(result, "carriers");
   if (!c->n) return;
   MpmPrint("its mode: %" PetscInt64_FMT " of %" PetscInt64_FMT " particles carry 90%% of it;", c->most, c->all);
   for (PetscInt i = 0; i < c->n; i++) {
-    MpmPrint("%s particle %" PetscInt64_FMT, i ? "," : "", c->particle[i]);
+    json_t *one = MpmResultNext(result, "carriers");
+
+    MpmResultSay(one, "%s particle %" PetscInt64_FMT "{particle}", i ? "," : "", c->particle[i]);
+    MpmResultKeep(one, "%g{share}", c->share[i]);
+    MpmResultNumbers(one, "place", c->dim, c->place[i]);
     if (c->dim) MpmPrint(" at %s", MpmVectorText(c->dim, c->place[i], 6, MPM_VECTOR_ROOM));
     MpmPrint(" %.3g%%", (double)(100 * c->share[i]));
   }
   MpmPrint("\n");
-}
-
-json_t *MpmJsonCarriers(const MpmCarriers *c)
-{
-  json_t *list = json_array();
-
-  for (PetscInt i = 0; i < c->n; i++) {
-    json_array_append_new(list, json_pack("{s:I, s:f, s:o}", "particle", (json_int_t)c->particle[i], "share",
-                                          c->share[i], "place", MpmJsonNumbers(c->dim, c->place[i])));
-  }
-  return list;
 }

@@ -6,18 +6,16 @@
 /* Collective. Prints the code, how it is probed and why, and what that costs, before the work. */
 void MpmReportProgram(const MpmProgram *program);
 
-/* Collective. Prints which particles show most what fails, and which unknowns are set apart. */
-void MpmReportApart(const MpmProgram *program);
+/*
+   Collective. The code, how it was probed, its certificates, which particles show most what fails, and which unknowns are set
+   apart, as 'probing'.
+*/
+void MpmReportProbed(json_t *result, const MpmProgram *program);
 
-/* Collective. Print the particles that carry a mode, with their places, and make a JSON list of them. */
-void    MpmReportCarriers(const MpmCarriers *carriers);
-json_t *MpmJsonCarriers(const MpmCarriers *carriers);
+/* Collective. The particles that carry a mode, with their places, as 'carriers'. */
+void MpmReportCarriers(json_t *result, const MpmCarriers *carriers);
 
-/* Collective. Print what the search will cost, print the limits of the time step, and write the JSON object. */
+/* Collective. Print what the search for the limits of the time step will cost; report the limits. */
 void           MpmReportCriticalPlan(const MpmCriticalProgram *critical);
-void           MpmReportCriticalProgram(const MpmProgram *program, const MpmCriticalProgram *critical);
-PetscErrorCode MpmCriticalProgramWriteJson(const MpmProgram *program, const MpmCriticalProgram *critical,
-                                           PetscReal wall_s);
-
-/* Not collective. A new object with the code, how it was probed, and its certificates. */
-json_t *MpmJsonProgram(const MpmProgram *program);
+PetscErrorCode MpmCriticalProgramReport(const MpmProgram *program, const MpmCriticalProgram *critical,
+                                        PetscReal wall_s);

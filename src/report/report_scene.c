@@ -1,8 +1,8 @@
-/* Describes the scene at the beginning of every task's table and JSON object. */
+/* The scene at the beginning of every task's report and tree, and lines that several reports have. */
 #include <mpmstab/errors.h>
 #include "scene/fields.h"
 #include "base/text.h"
-#include "base/textfile.h"
+#include "base/errors_private.h"
 #include "report/report.h"
 #include <math.h>
 #include <string.h>
@@ -151,7 +151,7 @@ static void PrintRanks(const char before[])
   MpmPrint("%s%d rank%s\n", before, ranks, ranks == 1 ? "" : "s");
 }
 
-PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request)
+static PetscErrorCode PrintScene(const MpmScene *s, const MpmRequest *request)
 {
   PetscFunctionBegin;
   MpmPrint("mpmstab %s %s: ", MPMSTAB_VERSION, request->task);
@@ -175,93 +175,6 @@ PetscErrorCode MpmReportScene(const MpmScene *s, const MpmRequest *request)
   PetscCall(MpmReportUnits(s, request));
   PetscCall(PrintDifferences(s, request));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void MpmReportFile(const MpmRequest *request, const char what[])
-{
-  MpmPrint("mpmstab %s %s: %s of %s", MPMSTAB_VERSION, request->task, what, MpmRequestSource(request));
-  PrintRanks(", ");
-}
-
-void MpmReportGrowth(const char name[], PetscReal growth, const char text[])
-{
-  if (isnan(growth))
-    MpmPrint("  %-11s %-13s %s\n", name, "-", text);
-  else if (isinf(growth))
-    MpmPrint("  %-11s %-13s %s\n", name, "off range", text);
-  else
-    MpmPrint("  %-11s %-13.9g %s\n", name, growth, text);
-}
-
-const char *MpmVectorText(PetscInt n, const PetscReal values[], int digits, char text[MPM_VECTOR_TEXT])
-{
-  int used = 0;
-
-  for (PetscInt a = 0; a < n; a++)
-    used += snprintf(text + used, (size_t)(MPM_VECTOR_TEXT - used), "%s%.*g%s",
-                     a       ? ", "
-                     : n > 1 ? "("
-                             : "",
-                     digits, values[a], n > 1 && a == n - 1 ? ")" : "");
-  return text;
-}
-
-const char *MpmCountsText(PetscInt n, const PetscInt counts[], char text[MPM_VECTOR_TEXT])
-{
-  int used = 0;
-
-  for (PetscInt a = 0; a < n; a++)
-    used += snprintf(text + used, (size_t)(MPM_VECTOR_TEXT - used), "%s%" PetscInt_FMT, a ? " x " : "", counts[a]);
-  return text;
-}
-
-void MpmReportPredictions(const MpmPredictor *p, const MpmPredictions *predictions)
-{
-  const MpmFormulation *f    = p->scheme->formulation;
-  const char           *text = f->published_text;
-
-  if (isnan(predictions->published))
-    text = p->why_not_published ? p->why_not_published : "the slides give no formula for this Courant number";
-  MpmReportGrowth("published", predictions->published, text);
-  MpmReportGrowth("corrected", predictions->corrected,
-                  p->why_not_corrected ? p->why_not_corrected : MpmPredictionText(p->scheme));
-}
-
-void MpmReportComparison(const MpmPredictor *p, const MpmComparison *c)
-{
-  const MpmFormulation *f = p->scheme->formulation;
-
-  if (c->published > WORTH_SAYING) {
-    MpmPrint("the published abs(G) is off by up to %.3g, at beta = %.4g:\n  %s\n", c->published, c->published_beta,
-             f->published_slip);
-    if (f->published_centred && fabs(p->e) > WORTH_SAYING)
-      MpmPrint("  and it takes the particles for centred, where here C1 - C2 = %.3g\n", p->e);
-  } else if (!isnan(c->published))
-    MpmPrint("the published abs(G) is the symbol's at every phase\n");
-  if (isfinite(c->corrected) && c->corrected > WORTH_SAYING)
-    MpmPrint("the corrected abs(G) is off by up to %.3g, at beta = %s\n", c->corrected,
-             MpmVectorText(p->layout->dim, c->corrected_beta, 4, MPM_VECTOR_ROOM));
-  else if (isfinite(c->corrected))
-    MpmPrint("the corrected abs(G) is within %.1e of the symbol's at every phase\n", c->corrected);
-}
-
-void MpmReportFinding(const MpmFinding *f, PetscReal condition)
-{
-  MpmPrint("\nverdict: %s", MpmVerdictNames[f->verdict]);
-  if (isinf(f->growth))
-    MpmPrint(", growth is beyond the range of doubles");
-  else if (!isnan(f->growth)) {
-    MpmPrint(", growth - 1 = %.3g where %.3g is tolerated", f->growth - 1, f->tolerance);
-    if (f->growth > 1 + f->tolerance && isinf(f->uncertainty))
-      MpmPrint("; that is lost to rounding");
-    else if (f->growth > 1 + f->tolerance && isfinite(condition))
-      MpmPrint("; its eigenvalue, of condition %.3g, is known to %.1g", condition, f->uncertainty);
-  }
-  if (f->verdict == MPM_UNDECIDED && isinf(f->defective_error))
-    MpmPrint("; the operator is not what the march does");
-  else if (f->verdict == MPM_UNDECIDED && f->growth <= 1 + f->tolerance && f->defective_error > f->tolerance)
-    MpmPrint("; rounding may hide growth of %.1g per step", f->defective_error);
-  MpmPrint("\nevidence: %s\n", f->evidence);
 }
 
 static json_t *CountsArray(const MpmScene *s)
@@ -291,170 +204,156 @@ static json_t *OneJson(const MpmScene *s, const MpmValue *value, PetscInt a)
   }
 }
 
-/* One value, or a list of one for each direction. */
-static json_t *ValueJson(const MpmScene *s, const MpmValue *value)
+/* A value, or a list of one for each direction. */
+static void SetValue(json_t *result, const MpmScene *s, const MpmValue *value)
 {
-  json_t *list;
+  json_t *list = value->n == 1 ? OneJson(s, value, 0) : json_array();
 
-  if (value->n == 1) return OneJson(s, value, 0);
-  list = json_array();
-  for (PetscInt a = 0; a < value->n; a++) json_array_append_new(list, OneJson(s, value, a));
-  return list;
+  for (PetscInt a = 0; a < value->n && value->n > 1; a++) json_array_append_new(list, OneJson(s, value, a));
+  MpmResultPut(result, value->field->json ? value->field->json : value->field->name, list);
 }
 
-/* Sets a value. A key 'object.key' is inside an object, which the first of its keys creates. */
-static void Put(json_t *object, const char key[], json_t *value)
+/* Sets the fields that record JSON shows; those that only some scenes show come last. */
+static PetscErrorCode Begin(const MpmScene *s, const MpmRequest *request, json_t **result)
 {
-  for (const char *dot = strchr(key, '.'); dot; dot = strchr(key, '.')) {
-    char outer[32];
-
-    (void)snprintf(outer, sizeof outer, "%.*s", (int)(dot - key), key);
-    if (!json_object_get(object, outer)) json_object_set_new(object, outer, json_object());
-    object = json_object_get(object, outer);
-    key    = dot + 1;
-  }
-  json_object_set_new(object, key, value);
-}
-
-static void SetValue(json_t *object, const MpmScene *s, const MpmValue *value)
-{
-  Put(object, value->field->json ? value->field->json : value->field->name, ValueJson(s, value));
-}
-
-/* Fields that only some scenes show come last. */
-static PetscErrorCode Head(const MpmScene *s, const MpmRequest *request, const char task[], PetscReal wall_s,
-                           json_t **object)
-{
-  MpmValue values[MPM_MAX_VALUES];
-  PetscInt n;
+  const MpmRequest *source = s ? NULL : request; /* what a request says of a scene's task is not shown */
+  MpmValue          values[MPM_MAX_VALUES];
+  PetscInt          n;
 
   PetscFunctionBegin;
-  *object = json_pack("{s:s, s:s}", "version", MPMSTAB_VERSION, "task", task);
-  PetscCall(MpmValuesIn(MPM_IN_JSON, s, request, &n, values));
+  *result = json_object();
+  MpmResultKeep(*result, "%s{version} %s{task}", MPMSTAB_VERSION, request->task);
+  PetscCall(MpmValuesIn(MPM_IN_JSON, s, source, &n, values));
   for (PetscInt i = 0; i < n; i++)
-    if (!values[i].field->shown) SetValue(*object, s, &values[i]);
-  json_object_set_new(*object, "ranks", json_integer(Ranks()));
-  json_object_set_new(*object, "wall_s", json_real(wall_s));
+    if (!values[i].field->shown) SetValue(*result, s, &values[i]);
+  MpmResultKeep(*result, "%d{ranks} %g{wall_s}", Ranks(), 0.0);
   for (PetscInt i = 0; i < n; i++)
-    if (values[i].field->shown) SetValue(*object, s, &values[i]);
+    if (values[i].field->shown) SetValue(*result, s, &values[i]);
+  MpmPrintHold();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmJsonScene(const MpmScene *s, const char task[], PetscReal wall_s, json_t **object)
+PetscErrorCode MpmResultOfScene(const MpmScene *s, const MpmRequest *request, json_t **result)
 {
   PetscFunctionBegin;
-  PetscCall(Head(s, NULL, task, wall_s, object));
-  if (!HasOneStep(s, task)) json_object_del(*object, "courant"); /* the default, of which nothing is said */
+  PetscCall(Begin(s, request, result));
+  if (!HasOneStep(s, request->task))
+    (void)json_object_del(*result, "courant"); /* the default, of which nothing is said */
+  PetscCall(PrintScene(s, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmJsonFile(const MpmRequest *request, PetscReal wall_s, json_t **object)
+PetscErrorCode MpmResultOfFile(const MpmRequest *request, const char what[], json_t **result)
 {
-  return Head(NULL, request, request->task, wall_s, object);
+  PetscFunctionBegin;
+  PetscCall(Begin(NULL, request, result));
+  if (what) MpmReportFile(request, what);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void MpmJsonSet(json_t *object, const char key[], PetscReal value)
+void MpmReportFile(const MpmRequest *request, const char what[])
 {
-  if (isfinite(value)) Put(object, key, json_real(value));
+  MpmPrint("mpmstab %s %s: %s of %s", MPMSTAB_VERSION, request->task, what, MpmRequestSource(request));
+  PrintRanks(", ");
 }
 
-void MpmJsonSetCount(json_t *object, const char key[], PetscInt64 value)
+void MpmReportGrowth(json_t *result, const char key[], const char name[], PetscReal growth, const char text[])
 {
-  Put(object, key, json_integer((json_int_t)value));
-}
-
-void MpmJsonSetText(json_t *object, const char key[], const char text[])
-{
-  Put(object, key, json_string(text));
-}
-
-json_t *MpmJsonNumbers(PetscInt n, const PetscReal values[])
-{
-  json_t *array = json_array();
-
-  for (PetscInt i = 0; i < n; i++)
-    json_array_append_new(array, isfinite(values[i]) ? json_real(values[i]) : json_null());
-  return array;
-}
-
-void MpmJsonSetVector(json_t *object, const char key[], PetscInt n, const PetscReal values[])
-{
-  json_t *array = n == 1 ? NULL : json_array();
-
-  for (PetscInt a = 0; a < n && array; a++) json_array_append_new(array, json_real(values[a]));
-  Put(object, key, array ? array : json_real(values[0]));
-}
-
-void MpmJsonSetPrediction(json_t *object, const char key[], PetscReal growth)
-{
-  if (isnan(growth))
-    json_object_set_new(object, key, json_null());
+  if (isnan(growth) || isinf(growth))
+    MpmPrint("  %-11s %-13s %s\n", name, isnan(growth) ? "-" : "off range", text);
   else
-    MpmJsonSet(object, key, growth);
+    MpmPrint("  %-11s %-13.9g %s\n", name, growth, text);
+  if (key && !isinf(growth)) MpmResultPut(result, key, isnan(growth) ? json_null() : json_real(growth));
 }
 
-/* Nothing where windows were not looked for. */
-void MpmJsonSetWindows(json_t *object, const MpmCriticalWindows *windows)
+const char *MpmVectorText(PetscInt n, const PetscReal values[], int digits, char text[MPM_VECTOR_TEXT])
 {
-  json_t *all = windows->looked ? json_array() : NULL;
+  int used = 0;
 
-  if (!all) return;
-  for (PetscInt i = 0; i < windows->n; i++) {
-    const MpmCriticalWindow *w = &windows->window[i];
+  for (PetscInt a = 0; a < n; a++)
+    used += snprintf(text + used, (size_t)(MPM_VECTOR_TEXT - used), "%s%.*g%s",
+                     a       ? ", "
+                     : n > 1 ? "("
+                             : "",
+                     digits, values[a], n > 1 && a == n - 1 ? ")" : "");
+  return text;
+}
 
-    json_array_append_new(all, json_pack("[f, f, f]", w->from, w->to, w->growth));
+const char *MpmCountsText(PetscInt n, const PetscInt counts[], char text[MPM_VECTOR_TEXT])
+{
+  int used = 0;
+
+  for (PetscInt a = 0; a < n; a++)
+    used += snprintf(text + used, (size_t)(MPM_VECTOR_TEXT - used), "%s%" PetscInt_FMT, a ? " x " : "", counts[a]);
+  return text;
+}
+
+void MpmReportPredictions(json_t *result, const MpmPredictor *p, const MpmPredictions *predictions)
+{
+  const MpmFormulation *f    = p->scheme->formulation;
+  const char           *text = f->published_text;
+
+  if (isnan(predictions->published))
+    text = p->why_not_published ? p->why_not_published : "the slides give no formula for this Courant number";
+  MpmReportGrowth(result, "predicted.published", "published", predictions->published, text);
+  MpmReportGrowth(result, "predicted.corrected", "corrected", predictions->corrected,
+                  p->why_not_corrected ? p->why_not_corrected : MpmPredictionText(p->scheme));
+}
+
+void MpmReportComparison(json_t *result, const MpmPredictor *p, const MpmComparison *c)
+{
+  const MpmFormulation *f = p->scheme->formulation;
+
+  MpmResultKeep(MpmResultIn(result, "predicted"), "%g{published_off_by} %g{published_off_at_beta} %g{corrected_off_by}",
+                c->published, c->published_beta, c->corrected);
+  if (c->published > WORTH_SAYING) {
+    MpmPrint("the published abs(G) is off by up to %.3g, at beta = %.4g:\n  %s\n", c->published, c->published_beta,
+             f->published_slip);
+    if (f->published_centred && fabs(p->e) > WORTH_SAYING)
+      MpmPrint("  and it takes the particles for centred, where here C1 - C2 = %.3g\n", p->e);
+  } else if (!isnan(c->published))
+    MpmPrint("the published abs(G) is the symbol's at every phase\n");
+  if (isfinite(c->corrected) && c->corrected > WORTH_SAYING)
+    MpmPrint("the corrected abs(G) is off by up to %.3g, at beta = %s\n", c->corrected,
+             MpmVectorText(p->layout->dim, c->corrected_beta, 4, MPM_VECTOR_ROOM));
+  else if (isfinite(c->corrected))
+    MpmPrint("the corrected abs(G) is within %.1e of the symbol's at every phase\n", c->corrected);
+}
+
+void MpmResultFinding(json_t *result, const MpmFinding *f)
+{
+  MpmResultKeep(result, "%s{verdict} %g{growth} %g{tolerance} %g{uncertainty} %s{evidence}",
+                MpmVerdictNames[f->verdict], f->growth, f->tolerance, f->uncertainty, f->evidence);
+}
+
+void MpmReportFinding(json_t *result, const MpmFinding *f, PetscReal condition)
+{
+  MpmResultFinding(result, f);
+  MpmPrint("\nverdict: %s", MpmVerdictNames[f->verdict]);
+  if (isinf(f->growth))
+    MpmPrint(", growth is beyond the range of doubles");
+  else if (!isnan(f->growth)) {
+    MpmPrint(", growth - 1 = %.3g where %.3g is tolerated", f->growth - 1, f->tolerance);
+    if (f->growth > 1 + f->tolerance && isinf(f->uncertainty))
+      MpmPrint("; that is lost to rounding");
+    else if (f->growth > 1 + f->tolerance && isfinite(condition))
+      MpmPrint("; its eigenvalue, of condition %.3g, is known to %.1g", condition, f->uncertainty);
   }
-  json_object_set_new(object, "windows", all);
-  MpmJsonSetCount(object, "looked_at", windows->looked);
+  if (f->verdict == MPM_UNDECIDED && isinf(f->defective_error))
+    MpmPrint("; the operator is not what the march does");
+  else if (f->verdict == MPM_UNDECIDED && f->growth <= 1 + f->tolerance && f->defective_error > f->tolerance)
+    MpmPrint("; rounding may hide growth of %.1g per step", f->defective_error);
+  MpmPrint("\nevidence: %s\n", f->evidence);
 }
 
-void MpmJsonSetFinding(json_t *object, const MpmFinding *f)
+void MpmResultSymbol(json_t *result, const MpmSymbol *symbol)
 {
-  MpmJsonSetText(object, "verdict", MpmVerdictNames[f->verdict]);
-  MpmJsonSet(object, "growth", f->growth);
-  MpmJsonSet(object, "tolerance", f->tolerance);
-  MpmJsonSet(object, "uncertainty", f->uncertainty);
-  MpmJsonSetText(object, "evidence", f->evidence);
-}
+  json_t *phases = json_array();
 
-json_t *MpmJsonPredicted(const MpmPredictions *predictions, const MpmComparison *comparison, PetscReal symbol)
-{
-  json_t *object = json_object();
-
-  MpmJsonSetPrediction(object, "published", predictions->published);
-  MpmJsonSetPrediction(object, "corrected", predictions->corrected);
-  MpmJsonSetPrediction(object, "symbol", symbol);
-  MpmJsonSet(object, "published_off_by", comparison->published);
-  MpmJsonSet(object, "published_off_at_beta", comparison->published_beta);
-  MpmJsonSet(object, "corrected_off_by", comparison->corrected);
-  return object;
-}
-
-json_t *MpmJsonSymbol(const MpmSymbol *symbol)
-{
-  const PetscInt dim    = symbol->dim;
-  json_t        *object = json_object(), *phases = json_array();
-
-  for (PetscInt a = 0; a < dim; a++) json_array_append_new(phases, json_integer(symbol->phases[a]));
-  json_object_set(object, "phases", dim == 1 ? json_array_get(phases, 0) : phases);
-  MpmJsonSet(object, "growth", symbol->growth);
-  MpmJsonSetVector(object, "beta_at_max", dim, symbol->beta_at_max);
-  MpmJsonSet(object, "seconds", symbol->seconds);
+  for (PetscInt a = 0; a < symbol->dim; a++) json_array_append_new(phases, json_integer(symbol->phases[a]));
+  MpmResultPut(result, "symbol.phases",
+               symbol->dim == 1 ? json_incref(json_array_get(phases, 0)) : json_incref(phases));
   json_decref(phases);
-  return object;
-}
-
-PetscErrorCode MpmJsonWrite(const char path[], json_t *object)
-{
-  MpmTextFile file;
-
-  PetscFunctionBegin;
-  PetscCheck(object, PETSC_COMM_SELF, PETSC_ERR_LIB, "jansson could not build the result");
-  PetscCall(MpmTextFileOpen(path, &file));
-  if (file.stream &&
-      (json_dumpf(object, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) || fputc('\n', file.stream) == EOF))
-    PetscCall(PetscInfo(NULL, "writing %s failed; closing it says why\n", path));
-  json_decref(object);
-  PetscCall(MpmTextFileClose(&file));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmResultKeep(result, "%g{symbol.growth} %g{symbol.seconds}", symbol->growth, symbol->seconds);
+  MpmResultVector(result, "symbol.beta_at_max", symbol->dim, symbol->beta_at_max);
 }

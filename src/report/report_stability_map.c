@@ -1,4 +1,4 @@
-/* A stability map: prints it as a picture of letters, and writes it as JSON, CSV and HDF5. */
+/* A stability map as a picture of letters, and as JSON, CSV and HDF5. */
 #include "io/datafile.h"
 #include "base/textfile.h"
 #include "report/report_program.h"
@@ -38,12 +38,11 @@ static void PrintPicture(const MpmStabilityMap *map)
 }
 
 /* The code, and its certificates at the point that grows fastest. */
-static void PrintProgram(const MpmStabilityMap *map)
+static void Program(json_t *result, const MpmStabilityMap *map)
 {
   MpmReportProgram(map->program);
   MpmPrint("at each of the points; certificates are of the one that grows fastest\n");
-  MpmReportCertificates(&map->program->certificates);
-  MpmReportApart(map->program);
+  MpmReportProbed(result, map->program);
 }
 
 /* How many points a certificate fails at, and one of them. */
@@ -66,22 +65,49 @@ static void PrintFaults(const MpmStabilityMap *map)
   }
 }
 
-PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
+/* The axes, and the limits of the closed forms, which JSON alone has. */
+static PetscErrorCode Axes(json_t *result, MpmStabilityMap *map)
 {
-  const MpmAxis    *axes = map->request->axes;
-  const MpmFinding *f    = &map->finding;
-  const PetscInt    n    = map->points[0] * map->points[1];
+  const int other = map->request->axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
 
   PetscFunctionBegin;
-  if (map->scene) PetscCall(MpmReportScene(map->scene, map->request));
-  if (map->program) PrintProgram(map);
+  for (int a = 0; a < 2; a++) {
+    const char *name = map->request->axes[a].name;
+
+    (void)json_array_append_new(MpmResultList(result, "axes"), json_string(name));
+    (void)json_array_append_new(MpmResultList(result, "shape"), json_integer(map->points[a]));
+    MpmResultNumbers(result, name, map->points[a], map->at[a]);
+  }
+  if (map->waves) MpmResultKeep(result, "%" PetscInt64_FMT "{phases}", MpmStabilityMapPhases(map));
+  if (map->request->refine) MpmResultKeep(result, "%d{refined?}", 1);
+  MpmResultKeep(result, "%g{seconds}", map->seconds);
+  if (map->scene && map->request->json[0]) PetscCall(MpmStabilityMapLimits(map));
+  if (!map->limits) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmResultKeep(result, "%g{published_limit!}", map->published_limit);
+  MpmResultNumbers(result, "corrected_limit", map->points[other], map->limits);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStabilityMapReport(MpmStabilityMap *map, PetscReal wall_s)
+{
+  const MpmRequest *request = map->request;
+  const MpmAxis    *axes    = request->axes;
+  const MpmFinding *f       = &map->finding;
+  const PetscInt    n       = map->points[0] * map->points[1];
+  json_t           *result, *found;
+
+  PetscFunctionBegin;
+  PetscCall(map->scene ? MpmResultOfScene(map->scene, request, &result) : MpmResultOfFile(request, NULL, &result));
+  found = MpmResultIn(result, "map");
+  MpmResultFinding(result, f);
+  PetscCall(Axes(found, map));
+  if (map->program) Program(result, map);
   PrintPicture(map);
   MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT, map->points[0], map->points[1]);
   if (map->waves) MpmPrint(", %" PetscInt64_FMT " phases", MpmStabilityMapPhases(map));
-  if (map->scene && !map->request->refine) MpmPrint(" (growth between them is not seen: -refine looks for it)");
-  MpmPrint("\n");
-  MpmPrint("unstable   %" PetscInt_FMT " (%.4g%%)\nundecided  %" PetscInt_FMT "\n", map->unstable,
-           100.0 * map->unstable / n, map->undecided);
+  if (map->scene && !request->refine) MpmPrint(" (growth between them is not seen: -refine looks for it)");
+  MpmResultSay(found, "\nunstable   %" PetscInt_FMT "{unstable} (%.4g%%)\nundecided  %" PetscInt_FMT "{undecided}\n",
+               map->unstable, 100.0 * map->unstable / n, map->undecided);
   if (map->program) PrintFaults(map);
   MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, axes[0].name,
            map->at[0][map->worst / map->points[1]], axes[1].name, map->at[1][map->worst % map->points[1]]);
@@ -90,38 +116,7 @@ PetscErrorCode MpmStabilityMapPrint(const MpmStabilityMap *map)
   MpmPrint("\nverdict: %s, growth beyond 1 + %.6g at %" PetscInt_FMT " of %" PetscInt_FMT " points\nevidence: %s\n",
            MpmVerdictNames[f->verdict], f->tolerance, map->unstable, n, f->evidence);
   MpmPrint("time: %.3g s\n", map->seconds);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmStabilityMapWriteJson(MpmStabilityMap *map, PetscReal wall_s)
-{
-  const char *const names[2] = {map->request->axes[0].name, map->request->axes[1].name};
-  const int         other    = map->request->axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
-  json_t           *object, *part = json_object();
-
-  PetscFunctionBegin;
-  if (map->scene) {
-    PetscCall(MpmStabilityMapLimits(map));
-    PetscCall(MpmJsonScene(map->scene, "map", wall_s, &object));
-  } else {
-    PetscCall(MpmJsonFile(map->request, wall_s, &object));
-    json_object_set_new(object, "probing", MpmJsonProgram(map->program));
-  }
-  MpmJsonSetFinding(object, &map->finding);
-  json_object_set_new(part, "axes", json_pack("[s, s]", names[0], names[1]));
-  json_object_set_new(part, "shape", json_pack("[I, I]", (json_int_t)map->points[0], (json_int_t)map->points[1]));
-  for (int a = 0; a < 2; a++) json_object_set_new(part, names[a], MpmJsonNumbers(map->points[a], map->at[a]));
-  if (map->waves) MpmJsonSetCount(part, "phases", MpmStabilityMapPhases(map));
-  if (map->request->refine) json_object_set_new(part, "refined", json_true());
-  MpmJsonSetCount(part, "unstable", map->unstable);
-  MpmJsonSetCount(part, "undecided", map->undecided);
-  if (map->limits) {
-    MpmJsonSetPrediction(part, "published_limit", map->published_limit);
-    json_object_set_new(part, "corrected_limit", MpmJsonNumbers(map->points[other], map->limits));
-  }
-  MpmJsonSet(part, "seconds", map->seconds);
-  json_object_set_new(object, "map", part);
-  PetscCall(MpmJsonWrite(map->request->json, object));
+  PetscCall(MpmResultEnd(request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

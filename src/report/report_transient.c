@@ -1,15 +1,19 @@
-/* Prints norm(A^n) and the pseudospectrum in the table of the task spectrum, and adds them to its JSON object. */
+/* norm(A^n) and the pseudospectrum in the report of the task spectrum. */
 #include "report/report.h"
 #include "report/results.h"
 #include <math.h>
 
 #define GROWS 0.1 /* a larger fitted power counts as growth */
 
-static void PrintPowers(const MpmSpectrum *s)
+static void Powers(json_t *result, const MpmSpectrum *s)
 {
   const MpmTransient *t      = s->transient;
   const PetscReal     growth = s->finding.growth, tolerance = s->finding.tolerance;
 
+  for (PetscInt i = 0; i < t->n; i++)
+    (void)json_array_append_new(MpmResultList(result, "steps"), json_integer(t->steps[i]));
+  MpmResultNumbers(result, "norm", t->n, t->norm);
+  MpmResultKeep(result, "%g{largest!} %" PetscInt_FMT "{at_step} %g{seconds}", t->largest, t->at_step, t->seconds);
   MpmPrint("transient: norm(A^n) for n up to %" PetscInt_FMT ", norm: %s\n", t->steps[t->n - 1],
            MpmOperatorNorm(s->op));
   if (isnan(t->largest))
@@ -34,12 +38,16 @@ static void PrintPowers(const MpmSpectrum *s)
 /*
    Prints the Kreiss constant. Under drift it is that of the operator of a period, and does not cover the steps between.
 */
-static void PrintKreiss(const MpmSpectrum *s)
+static void Kreiss(json_t *result, const MpmSpectrum *s)
 {
   const MpmPseudospectrum *p     = s->pseudospectrum;
   const PetscBool          moves = s->op->period > 1 ? PETSC_TRUE : PETSC_FALSE;
   const char              *of = moves ? " of the operator of a period" : "", *when = moves ? " of whole periods" : "";
+  const PetscReal          z[2] = {creal(p->kreiss_at), cimag(p->kreiss_at)};
 
+  MpmResultKeep(result, "%" PetscInt_FMT "{points} %g{kreiss!} %g{kreiss_at!} %g{seconds}", p->points, p->kreiss, NAN,
+                p->seconds);
+  if (isfinite(p->kreiss) && !isnan(z[0])) MpmResultNumbers(result, "kreiss_at", 2, z);
   if (isinf(p->kreiss))
     MpmPrint("Kreiss constant%s: infinite, an eigenvalue is outside the unit circle\n", of);
   else if (isnan(creal(p->kreiss_at)))
@@ -59,47 +67,10 @@ static void PrintKreiss(const MpmSpectrum *s)
   }
 }
 
-void MpmTransientPrint(const MpmSpectrum *s)
+void MpmTransientReport(json_t *result, const MpmSpectrum *s)
 {
-  if (s->transient) PrintPowers(s);
-  if (s->pseudospectrum) PrintKreiss(s);
+  if (s->transient) Powers(MpmResultIn(result, "transient"), s);
+  if (s->pseudospectrum) Kreiss(MpmResultIn(result, "pseudospectrum"), s);
   if ((s->request->powers && !s->transient) || (s->request->pseudospectrum && !s->pseudospectrum))
     MpmPrint("transient: none, the operator's numbers leave the range of doubles\n");
-}
-
-/* JSON has no number that is not finite, so null stands for it. */
-static json_t *NumberOrNull(PetscReal value)
-{
-  return isfinite(value) ? json_real(value) : json_null();
-}
-
-static json_t *Powers(const MpmTransient *t)
-{
-  json_t *object = json_object(), *steps = json_array();
-
-  for (PetscInt i = 0; i < t->n; i++) json_array_append_new(steps, json_integer(t->steps[i]));
-  json_object_set_new(object, "steps", steps);
-  json_object_set_new(object, "norm", MpmJsonNumbers(t->n, t->norm));
-  json_object_set_new(object, "largest", NumberOrNull(t->largest));
-  MpmJsonSetCount(object, "at_step", t->at_step);
-  MpmJsonSet(object, "seconds", t->seconds);
-  return object;
-}
-
-static json_t *Pseudospectrum(const MpmPseudospectrum *p)
-{
-  const PetscReal z[2]   = {creal(p->kreiss_at), cimag(p->kreiss_at)};
-  json_t         *object = json_object();
-
-  MpmJsonSetCount(object, "points", p->points);
-  json_object_set_new(object, "kreiss", NumberOrNull(p->kreiss));
-  json_object_set_new(object, "kreiss_at", isfinite(p->kreiss) && !isnan(z[0]) ? MpmJsonNumbers(2, z) : json_null());
-  MpmJsonSet(object, "seconds", p->seconds);
-  return object;
-}
-
-void MpmTransientJson(const MpmSpectrum *s, json_t *object)
-{
-  if (s->transient) json_object_set_new(object, "transient", Powers(s->transient));
-  if (s->pseudospectrum) json_object_set_new(object, "pseudospectrum", Pseudospectrum(s->pseudospectrum));
 }

@@ -15,12 +15,12 @@
 #include <stdlib.h>
 
 /*S
-   States - the spectrum of the state that grows most so far, with what else JSON says of it and of all states.
+   States - the spectrum of the state that grows most so far, with its report; and, of all states, what JSON has.
 S*/
 typedef struct {
   MpmProgram   program;
   MpmSpectrum *most;
-  json_t      *more, *list;
+  json_t      *more, *all;
 } States;
 
 /* Refuses what needs a matrix, before the work. */
@@ -44,15 +44,15 @@ static PetscErrorCode CheckShell(const MpmProgram *p)
 static PetscErrorCode Keep(States *states, MpmSpectrum *s, json_t *one, PetscInt at)
 {
   PetscBool better;
+  json_t   *each;
 
   PetscFunctionBegin;
   better = !states->most || !(s->finding.growth <= states->most->finding.growth) ? PETSC_TRUE : PETSC_FALSE;
-  json_array_append_new(states->list,
-                        json_pack("{s:i, s:s, s:O}", "step", (int)at, "verdict", MpmVerdictNames[s->finding.verdict],
-                                  "probing", json_object_get(one, "probing")));
-  MpmJsonSet(json_array_get(states->list, json_array_size(states->list) - 1), "growth", s->finding.growth);
-  json_object_set(json_array_get(states->list, json_array_size(states->list) - 1), "carriers",
-                  json_object_get(one, "carriers"));
+  each   = MpmResultNext(states->all, "states");
+  MpmResultKeep(each, "%" PetscInt_FMT "{step} %s{verdict} %g{growth}", at, MpmVerdictNames[s->finding.verdict],
+                s->finding.growth);
+  (void)json_object_set(each, "probing", json_object_get(one, "probing"));
+  (void)json_object_set(each, "carriers", json_object_get(one, "carriers"));
   if (better && states->most) {
     PetscCall(MpmSpectrumDestroy(&states->most));
     json_decref(states->more);
@@ -76,8 +76,7 @@ static PetscErrorCode Compare(MpmProgram *p, MpmCompareProgram *compare, json_t 
   PetscCall(MpmUnreadDestroy(&p->unread));
   PetscCall(MpmProgramBlocks(p, &blocks, NULL));
   PetscCall(MpmCompareProgramFind(p, &blocks, NAN, compare));
-  MpmReportCompare(p, compare);
-  json_object_set_new(one, "comparison", MpmJsonCompare(compare));
+  MpmReportCompare(MpmResultIn(one, "comparison"), p, compare);
   PetscCall(MpmCompareProgramDestroy(compare));
   PetscCall(MpmBlocksFree(&blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -90,7 +89,7 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   MpmCompareProgram compare;
   MpmSpectrum      *s;
   MpmCarriers       carriers;
-  json_t           *one;
+  json_t           *one = json_object();
   Mat               A, B;
 
   PetscFunctionBegin;
@@ -103,16 +102,13 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
     MpmReportProgram(p);
   if (request->at[0]) MpmPrint("the state after %" PetscInt_FMT " steps\n", at);
   PetscCall(MpmProgramMatrix(p, &A, &B));
-  MpmReportCertificates(&p->certificates);
-  MpmReportApart(p);
+  MpmReportProbed(one, p);
   PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, request, started, &s));
   PetscCall(MpmProgramJudgeSpectrum(p, B, s));
   PetscCall(MpmCarriersFind(p, s, &carriers));
-  PetscCall(MpmSpectrumPrint(NULL, request, s, NULL));
-  MpmReportCarriers(&carriers);
-  one = json_object();
-  json_object_set_new(one, "probing", MpmJsonProgram(p));
-  json_object_set_new(one, "carriers", MpmJsonCarriers(&carriers));
+  MpmSpectrumReport(one, NULL, request, s, NULL);
+  MpmReportCarriers(one, &carriers);
+  MpmResultKeep(one, "%" PetscInt64_FMT "{probing.calls}", p->stepper->calls); /* with those that eigenvalues took */
   if (request->compare[0]) PetscCall(Compare(p, &compare, one));
   PetscCall(Keep(states, s, one, at));
   PetscCall(MatDestroy(&A));
@@ -145,21 +141,24 @@ static PetscErrorCode GoThrough(States *states, const MpmRequest *request, Petsc
 
 PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  States       states = {.list = json_array()};
+  States       states = {.all = json_object()};
   MpmSpectrum *s;
+  json_t      *result;
   PetscBool    kept;
 
   PetscFunctionBegin;
   PetscCall(MpmProgramOpen(request, &states.program));
   PetscCall(GoThrough(&states, request, started));
   s = states.most;
-  if (request->at[0]) json_object_set(states.more, "states", states.list);
   PetscCall(MpmSpectrumWriteFiles(s));
-  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(NULL, request, s, NULL, s->wall_s, states.more));
+  PetscCall(MpmResultOfFile(request, NULL, &result));
+  (void)json_object_update(result, states.more);
+  if (request->at[0]) (void)json_object_update(result, states.all);
+  PetscCall(MpmResultEnd(request, s->wall_s, &result));
   if (request->write_matrix[0])
     PetscCall(MpmMatrixWrite(request->write_matrix, s->op->A, s->op->exponent, s->op->period, &kept));
   PetscCall(MpmExpectFinding(&request->expect, &s->finding, missed));
-  json_decref(states.list);
+  json_decref(states.all);
   json_decref(states.more);
   PetscCall(MpmSpectrumDestroy(&states.most));
   PetscCall(MpmProgramClose(&states.program));

@@ -82,8 +82,6 @@ static PetscErrorCode GetBlocks(const MpmRequest *request, Answer *a)
   if (request->compare[0]) PetscCall(MpmCompareProgramBegin(&a->program, &a->compare));
   MpmReportProgram(&a->program);
   PetscCall(MpmProgramBlocks(&a->program, &a->blocks, &a->other));
-  MpmReportCertificates(&a->program.certificates);
-  MpmReportApart(&a->program);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -105,55 +103,39 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Print(const MpmRequest *request, const Answer *a)
+static PetscErrorCode Report(const MpmRequest *request, const Answer *a, PetscReal wall_s)
 {
-  const PetscInt dim = a->blocks.dim;
-  char           text[256];
-
-  if (!MpmRequestProbes(request)) {
-    MpmReportFile(request, "the blocks");
-    if (MpmCertificatesTaken(&a->certificates)) MpmReportCertificates(&a->certificates);
-  }
-  MpmPrint("%" PetscInt_FMT " blocks of %" PetscInt_FMT " unknowns a cell, %" PetscInt_FMT
-           " direction%s, of %" PetscInt_FMT " step%s\n\ngrowth per step\n",
-           a->blocks.n, a->blocks.size, dim, dim == 1 ? "" : "s", a->blocks.period, a->blocks.period == 1 ? "" : "s");
-  (void)snprintf(text, sizeof text, "at beta = %s of %s phases",
-                 MpmVectorText(dim, a->symbol->beta_at_max, 6, MPM_VECTOR_ROOM),
-                 MpmCountsText(dim, a->symbol->phases, MPM_VECTOR_ROOM));
-  MpmReportGrowth("symbol", a->symbol->growth, text);
-  (void)snprintf(text, sizeof text, "at beta = %s, the largest of a search between these phases",
-                 MpmVectorText(dim, a->beta, 6, MPM_VECTOR_ROOM));
-  MpmReportGrowth("all waves", a->worst.growth, text);
-  if (request->compare[0]) MpmReportCompare(&a->program, &a->compare);
-  MpmPrint("\n");
-  MpmReportFinding(&a->finding, a->worst.condition);
-  MpmPrint("time: %.3g s\n", a->symbol->seconds);
-}
-
-static PetscErrorCode WriteJson(const MpmRequest *request, const Answer *a, PetscReal started)
-{
-  const MpmBlocks *b = &a->blocks;
-  json_t          *object, *blocks;
+  const PetscBool  probed = MpmRequestProbes(request);
+  const MpmBlocks *b      = &a->blocks;
+  char             text[256];
+  json_t          *result;
 
   PetscFunctionBegin;
-  PetscCall(MpmJsonFile(request, MPI_Wtime() - started, &object));
-  MpmJsonSetFinding(object, &a->finding);
-  blocks = json_pack("{s:i, s:i, s:i, s:i}", "dim", (int)b->dim, "unknowns", (int)b->size, "blocks", (int)b->n,
-                     "period_steps", (int)b->period);
-  if (b->cell_width > 0) MpmJsonSet(blocks, "cell_width", b->cell_width);
-  json_object_set_new(object, "lattice", blocks);
-  if (request->compare[0]) json_object_set_new(object, "comparison", MpmJsonCompare(&a->compare));
-  if (MpmRequestProbes(request))
-    json_object_set_new(object, "probing", MpmJsonProgram(&a->program));
-  else if (MpmCertificatesTaken(&a->certificates)) {
-    json_object_set_new(object, "certificates", MpmJsonCertificates(&a->certificates));
-    json_object_set_new(object, "scales", MpmJsonScales(&a->certificates));
-  }
-  json_object_set_new(object, "symbol", MpmJsonSymbol(a->symbol));
-  MpmJsonSet(object, "refined.growth", a->worst.growth);
-  MpmJsonSet(object, "refined.condition", a->worst.condition);
-  MpmJsonSetVector(object, "refined.beta_at_max", b->dim, a->beta);
-  PetscCall(MpmJsonWrite(request->json, object));
+  PetscCall(MpmResultOfFile(request, probed ? NULL : "the blocks", &result));
+  if (probed)
+    MpmReportProbed(result, &a->program);
+  else if (MpmCertificatesTaken(&a->certificates))
+    MpmReportCertificates(result, &a->certificates);
+  MpmResultSay(MpmResultIn(result, "lattice"),
+               "%" PetscInt_FMT "{blocks} blocks of %" PetscInt_FMT "{unknowns} unknowns a cell, %" PetscInt_FMT
+               "{dim} direction%s, of %" PetscInt_FMT "{period_steps} step%s\n\ngrowth per step\n",
+               b->n, b->size, b->dim, b->dim == 1 ? "" : "s", b->period, b->period == 1 ? "" : "s");
+  if (b->cell_width > 0) MpmResultKeep(result, "%g{lattice.cell_width}", b->cell_width);
+  (void)snprintf(text, sizeof text, "at beta = %s of %s phases",
+                 MpmVectorText(b->dim, a->symbol->beta_at_max, 6, MPM_VECTOR_ROOM),
+                 MpmCountsText(b->dim, a->symbol->phases, MPM_VECTOR_ROOM));
+  MpmReportGrowth(NULL, NULL, "symbol", a->symbol->growth, text);
+  MpmResultSymbol(result, a->symbol);
+  (void)snprintf(text, sizeof text, "at beta = %s, the largest of a search between these phases",
+                 MpmVectorText(b->dim, a->beta, 6, MPM_VECTOR_ROOM));
+  MpmReportGrowth(NULL, NULL, "all waves", a->worst.growth, text);
+  MpmResultKeep(MpmResultIn(result, "refined"), "%g{growth} %g{condition}", a->worst.growth, a->worst.condition);
+  MpmResultVector(result, "refined.beta_at_max", b->dim, a->beta);
+  if (request->compare[0]) MpmReportCompare(MpmResultIn(result, "comparison"), &a->program, &a->compare);
+  MpmPrint("\n");
+  MpmReportFinding(result, &a->finding, a->worst.condition);
+  MpmPrint("time: %.3g s\n", a->symbol->seconds);
+  PetscCall(MpmResultEnd(request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -178,8 +160,7 @@ PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, P
   PetscFunctionBegin;
   PetscCall(Compute(request, &answer));
   PetscCall(WriteFiles(request, &answer));
-  if (request->json[0]) PetscCall(WriteJson(request, &answer, started));
-  Print(request, &answer);
+  PetscCall(Report(request, &answer, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&request->expect, &answer.finding, missed));
   PetscCall(MpmSymbolDestroy(&answer.symbol));
   PetscCall(MpmBlocksFree(&answer.blocks));

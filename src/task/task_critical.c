@@ -24,8 +24,7 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
   }
   if (all) PetscCall(MpmNeighbourhoodsFind(scene, request, &place, PETSC_TRUE, all));
   if (request->csv[0] && bulk) PetscCall(MpmCriticalWriteCsv(request->csv, scene, bulk));
-  if (request->json[0]) PetscCall(MpmCriticalWriteJson(request->json, scene, bulk, all, MPI_Wtime() - started));
-  PetscCall(MpmCriticalPrint(scene, request, bulk, all));
+  PetscCall(MpmCriticalReport(scene, request, bulk, all, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, all ? &all->finding : &bulk->asked, missed));
   PetscCall(MpmExpectCritical(&expect, all ? all->courant : bulk->courant, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -42,8 +41,7 @@ static PetscErrorCode AtMach(const MpmScene *scene, const MpmRequest *request, P
   expect.has_spectrum = PETSC_FALSE; /* it is about the waves on the scene's grid */
   PetscCall(MpmCriticalMachCreate(&of, &request->mach, &found));
   if (request->csv[0]) PetscCall(MpmCriticalMachWriteCsv(scene, request, &found));
-  if (request->json[0]) PetscCall(MpmCriticalMachWriteJson(scene, request, &found, MPI_Wtime() - started));
-  PetscCall(MpmCriticalMachPrint(scene, request, &found));
+  PetscCall(MpmCriticalMachReport(scene, request, &found, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, &found.asked, missed));
   PetscCall(MpmExpectCritical(&expect, found.stable ? found.points[found.stable - 1].courant : NAN, missed));
   PetscCall(MpmCriticalMachDestroy(&found));
@@ -64,8 +62,7 @@ static PetscErrorCode OfProgram(const MpmRequest *request, PetscReal started, Pe
   MpmReportProgram(&program);
   MpmReportCriticalPlan(&critical);
   PetscCall(MpmCriticalProgramFind(&program, started, &critical));
-  if (request->json[0]) PetscCall(MpmCriticalProgramWriteJson(&program, &critical, MPI_Wtime() - started));
-  MpmReportCriticalProgram(&program, &critical);
+  PetscCall(MpmCriticalProgramReport(&program, &critical, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&request->expect, &critical.finding, missed));
   PetscCall(MpmExpectCritical(&request->expect, critical.critical, missed));
   PetscCall(MpmProgramClose(&program));

@@ -12,8 +12,7 @@ PetscErrorCode MpmTaskEnsemble(const MpmScene *scene, const MpmRequest *request,
   expect.has_spectrum = PETSC_FALSE; /* it is about one layout */
   PetscCall(MpmEnsembleCreate(scene, request, &ensemble));
   if (request->csv[0]) PetscCall(MpmEnsembleWriteCsv(ensemble));
-  if (request->json[0]) PetscCall(MpmEnsembleWriteJson(ensemble, MPI_Wtime() - started));
-  PetscCall(MpmEnsemblePrint(ensemble));
+  PetscCall(MpmEnsembleReport(ensemble, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, &ensemble->finding, missed));
   PetscCall(MpmExpectShare(&expect, ensemble->share, missed));
   PetscCall(MpmEnsembleDestroy(&ensemble));

@@ -20,8 +20,7 @@ PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, Pets
   }
   if (request->csv[0]) PetscCall(MpmStabilityMapWriteCsv(map));
   if (request->output[0]) PetscCall(MpmStabilityMapWriteOutput(map));
-  if (request->json[0]) PetscCall(MpmStabilityMapWriteJson(map, MPI_Wtime() - started));
-  PetscCall(MpmStabilityMapPrint(map));
+  PetscCall(MpmStabilityMapReport(map, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, &map->finding, missed));
   PetscCall(MpmStabilityMapDestroy(&map));
   if (!scene) PetscCall(MpmProgramClose(&program));

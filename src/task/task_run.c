@@ -28,8 +28,7 @@ PetscErrorCode MpmTaskRun(const MpmScene *scene, const MpmRequest *request, Pets
   } else if (run->stopped)
     PrintStopped(run, request);
   else {
-    if (request->json[0]) PetscCall(MpmRunWriteJson(run));
-    PetscCall(MpmRunPrint(run));
+    PetscCall(MpmRunReport(run));
     PetscCall(MpmExpectRun(run, missed));
   }
   PetscCall(MpmRunDestroy(&run));

@@ -5,7 +5,6 @@
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "linalg/eigen.h"
-#include "report/report.h"
 #include "report/results.h"
 #include "task/spectrum_program.h"
 #include "task/task.h"
@@ -66,21 +65,21 @@ static PetscErrorCode OfTangent(const MpmScene *scene, const MpmRequest *request
 {
   MpmSpectrum *s;
   PetscReal    mismatch;
-  json_t      *more = json_object();
+  json_t      *result;
 
   PetscFunctionBegin;
   PetscCall(MpmFrozenSpectrum(scene, request, started, &s, &mismatch));
   PetscCall(MpmSpectrumWriteFiles(s));
-  MpmJsonSetCount(more, "tangent.at_step", request->at_step);
-  MpmJsonSet(more, "tangent.step_mismatch", mismatch);
-  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(scene, request, s, NULL, s->wall_s, more));
-  json_decref(more);
-  PetscCall(MpmSpectrumPrint(scene, request, s, NULL));
-  MpmPrint("tangent: of the step after step %" PetscInt64_FMT ", as if the state stayed as it is; ", request->at_step);
+  PetscCall(MpmResultOfScene(scene, request, &result));
+  MpmSpectrumReport(result, scene, request, s, NULL);
+  MpmResultSay(
+      result, "tangent: of the step after step %" PetscInt64_FMT "{tangent.at_step}, as if the state stayed as it is; ",
+      request->at_step);
   if (isfinite(mismatch))
-    MpmPrint("its step differs from the march's by %.1e\n", mismatch);
+    MpmResultSay(result, "its step differs from the march's by %.1e{tangent.step_mismatch}\n", mismatch);
   else
     MpmPrint("the run ends in this step, because a particle fails\n");
+  PetscCall(MpmResultEnd(request, s->wall_s, &result));
   if (request->write_matrix[0]) PetscCall(Write(request->write_matrix, s->op));
   PetscCall(MpmExpectFinding(&request->expect, &s->finding, missed));
   PetscCall(MpmSpectrumDestroy(&s));
@@ -93,6 +92,7 @@ PetscErrorCode MpmTaskSpectrum(const MpmScene *scene, const MpmRequest *request,
   MpmCertificates   certificates;
   MpmNeighbourhood  place = {.kind = MPM_IN_BULK};
   MpmNeighbourhoods around, *all = MpmNeighbourhoodsWanted(request) ? &around : NULL;
+  json_t           *result;
 
   PetscFunctionBegin;
   if (MpmRequestProbes(request)) {
@@ -113,8 +113,9 @@ PetscErrorCode MpmTaskSpectrum(const MpmScene *scene, const MpmRequest *request,
   if (bulk) place = MpmNeighbourhoodOfFinding(&bulk->finding);
   if (all) PetscCall(MpmNeighbourhoodsFind(scene, request, &place, PETSC_FALSE, all));
   if (bulk) PetscCall(MpmSpectrumWriteFiles(bulk));
-  if (request->json[0]) PetscCall(MpmSpectrumWriteJson(scene, request, bulk, all, MPI_Wtime() - started, NULL));
-  PetscCall(MpmSpectrumPrint(scene, request, bulk, all));
+  PetscCall(scene ? MpmResultOfScene(scene, request, &result) : MpmResultOfFile(request, "the matrix", &result));
+  MpmSpectrumReport(result, scene, request, bulk, all);
+  PetscCall(MpmResultEnd(request, MPI_Wtime() - started, &result));
   if (bulk && request->write_matrix[0]) PetscCall(Write(request->write_matrix, bulk->op));
   PetscCall(MpmExpectFinding(&request->expect, all ? &all->finding : &bulk->finding, missed));
   if (bulk) PetscCall(MpmSpectrumDestroy(&bulk));

@@ -1,6 +1,5 @@
 /* The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
-#include "report/report.h"
 #include "report/results.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
@@ -21,7 +20,7 @@ typedef struct {
 } Answer;
 
 /* Where growth is largest: the phase, and the length of its waves in cells. */
-static void PrintMaximum(const MpmSymbol *s)
+static void Maximum(json_t *result, const MpmSymbol *s)
 {
   PetscReal size = 0;
   char      text[256], waves[48] = "";
@@ -32,11 +31,12 @@ static void PrintMaximum(const MpmSymbol *s)
   (void)snprintf(text, sizeof text, "at beta = %s%s of %s phases",
                  size > 0 ? MpmVectorText(s->dim, s->beta_at_max, 6, MPM_VECTOR_ROOM) : "0", waves,
                  MpmCountsText(s->dim, s->phases, MPM_VECTOR_ROOM));
-  MpmReportGrowth("symbol", s->growth, text);
+  MpmReportGrowth(result, "predicted.symbol", "symbol", s->growth, text);
+  MpmResultSymbol(result, s);
 }
 
 /* The phases that refined growth has looked at, and where growth is largest. */
-static void PrintRefined(PetscInt dim, const MpmRefined *r)
+static void Refined(json_t *result, PetscInt dim, const MpmRefined *r)
 {
   const PetscBool none = isnan(r->beta[0]) ? PETSC_TRUE : PETSC_FALSE;
   char            text[256];
@@ -44,49 +44,28 @@ static void PrintRefined(PetscInt dim, const MpmRefined *r)
   (void)snprintf(text, sizeof text, "at %s%s of up to %" PetscInt_FMT " phases in (0, pi] and uphill%s",
                  none ? "none" : "beta = ", none ? "" : MpmVectorText(dim, r->beta, 6, MPM_VECTOR_ROOM), r->points,
                  r->settled ? "" : ", and still moves");
-  MpmReportGrowth("refined", r->growth, text);
+  MpmReportGrowth(result, "growth", "refined", r->growth, text);
+  if (!none) MpmResultNumbers(result, "beta_at_max", dim, r->beta);
+  MpmResultKeep(result, "%" PetscInt_FMT "{phases} %d{settled?}", r->points, r->settled);
 }
 
-static PetscErrorCode Print(const MpmScene *scene, const MpmRequest *request, const Answer *a)
+static PetscErrorCode Report(const MpmScene *scene, const MpmRequest *request, const Answer *a, PetscReal wall_s)
 {
+  json_t *result;
+
   PetscFunctionBegin;
-  PetscCall(MpmReportScene(scene, request));
+  PetscCall(MpmResultOfScene(scene, request, &result));
   MpmPrint("\ngrowth per step\n");
-  MpmReportPredictions(&a->predictor, &a->predictions);
-  PrintMaximum(a->symbol);
+  MpmReportPredictions(result, &a->predictor, &a->predictions);
+  Maximum(result, a->symbol);
   if (scene->written && !MpmSceneDrifts(scene)) PetscCall(MpmReportNodal(scene->scheme.table, "  nodal       "));
-  if (a->refined) PrintRefined(scene->layout.dim, a->refined);
+  if (a->refined) Refined(MpmResultIn(result, "refined"), scene->layout.dim, a->refined);
   MpmPrint("\n");
-  MpmReportComparison(&a->predictor, &a->comparison);
-  if (a->damping) MpmDampingPrint(scene, a->damping);
-  MpmReportFinding(&a->finding, a->symbol->condition);
+  MpmReportComparison(result, &a->predictor, &a->comparison);
+  if (a->damping) MpmDampingReport(MpmResultIn(MpmResultIn(result, "symbol"), "damping"), scene, a->damping);
+  MpmReportFinding(result, &a->finding, a->symbol->condition);
   MpmPrint("time: %.3g s\n", a->symbol->seconds);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static json_t *JsonRefined(PetscInt dim, const MpmRefined *r)
-{
-  json_t *object = json_object();
-
-  MpmJsonSet(object, "growth", r->growth);
-  if (!isnan(r->beta[0])) json_object_set_new(object, "beta_at_max", MpmJsonNumbers(dim, r->beta));
-  MpmJsonSetCount(object, "phases", r->points);
-  json_object_set_new(object, "settled", json_boolean(r->settled));
-  return object;
-}
-
-static PetscErrorCode WriteJson(const MpmScene *scene, const char path[], const Answer *a, PetscReal wall_s)
-{
-  json_t *object, *symbol = MpmJsonSymbol(a->symbol);
-
-  PetscFunctionBegin;
-  PetscCall(MpmJsonScene(scene, "symbol", wall_s, &object));
-  MpmJsonSetFinding(object, &a->finding);
-  json_object_set_new(object, "predicted", MpmJsonPredicted(&a->predictions, &a->comparison, a->symbol->growth));
-  if (a->damping) json_object_set_new(symbol, "damping", MpmDampingJson(scene, a->damping));
-  json_object_set_new(object, "symbol", symbol);
-  if (a->refined) json_object_set_new(object, "refined", JsonRefined(scene->layout.dim, a->refined));
-  PetscCall(MpmJsonWrite(path, object));
+  PetscCall(MpmResultEnd(request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -160,8 +139,7 @@ static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, 
   if (request->damping) PetscCall(MpmDampingCreate(scene, request, &a.damping));
   PetscCall(WriteFiles(scene, request, &a));
   if (request->write_blocks[0]) PetscCall(WriteBlocks(scene, request->write_blocks));
-  if (request->json[0]) PetscCall(WriteJson(scene, request->json, &a, MPI_Wtime() - started));
-  PetscCall(Print(scene, request, &a));
+  PetscCall(Report(scene, request, &a, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&request->expect, &a.finding, missed));
   PetscCall(MpmDampingDestroy(&a.damping));
   PetscCall(MpmPredictorDestroy(&a.predictor));

@@ -53,7 +53,7 @@ static PetscErrorCode CheckCritical(const char options[], PetscReal limit)
   PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &c));
   CHECK(isnan(c.closed), "%s: closed form %g", options, c.closed);
   CHECK(fabs(c.courant / limit - 1) <= 1e-5, "%s: %.9g, not %.9g", options, c.courant, limit);
-  PetscCall(MpmCriticalPrint(scene, &check_request, &c, NULL));
+  PetscCall(MpmCriticalReport(scene, &check_request, &c, NULL, 0));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -64,6 +64,7 @@ static PetscErrorCode CheckBare(void)
   MpmSpectrum   *spectrum;
   MpmRun        *run;
   MpmPredictions predictions;
+  json_t        *result;
 
   PetscFunctionBegin;
   PetscCall(CheckCritical("-formulation usl -initial random", 0.755928946)); /* 1 / sqrt(1 + 4 q) with q = 3/16 */
@@ -74,12 +75,14 @@ static PetscErrorCode CheckBare(void)
   CHECK(isnan(predictions.published) && isnan(predictions.corrected), "predictions of nothing");
   PetscCall(MpmSpectrumCreate(scene, &check_request, 0, &spectrum));
   CHECK(spectrum->finding.verdict == MPM_UNSTABLE, "spectrum: %s", MpmVerdictNames[spectrum->finding.verdict]);
-  PetscCall(MpmSpectrumPrint(scene, &check_request, spectrum, NULL));
+  PetscCall(MpmResultOfScene(scene, &check_request, &result));
+  MpmSpectrumReport(result, scene, &check_request, spectrum, NULL);
+  PetscCall(MpmResultEnd(&check_request, 0, &result));
   PetscCall(MpmRunCreate(scene, &check_request, NULL, 0, &run));
   CHECK(!run->has_errors && isnan(run->energy_final), "errors, or an energy of %g", run->energy_final);
   CHECK(run->verdict == MPM_UNSTABLE && fabs(run->growth.per_step / spectrum->growth - 1) < 1e-3,
         "run: %s, growth %.9g, spectrum %.9g", MpmVerdictNames[run->verdict], run->growth.per_step, spectrum->growth);
-  PetscCall(MpmRunPrint(run));
+  PetscCall(MpmRunReport(run));
   PetscCall(MpmRunDestroy(&run));
   PetscCall(MpmSpectrumDestroy(&spectrum));
   PetscCall(MpmSceneDestroy(&scene));
@@ -118,7 +121,7 @@ static PetscErrorCode CheckLimitOf(PetscReal (*limit)(const MpmCellSymbols *), P
         c.disputed ? "disputed" : "not disputed");
   CHECK(c.asked.verdict == (disputed ? MPM_UNDECIDED : MPM_STABLE), "%s", MpmVerdictNames[c.asked.verdict]);
   CHECK(disputed == (strstr(c.asked.evidence, "closed form") != NULL), "%s", c.asked.evidence);
-  PetscCall(MpmCriticalPrint(scene, &check_request, &c, NULL));
+  PetscCall(MpmCriticalReport(scene, &check_request, &c, NULL, 0));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
