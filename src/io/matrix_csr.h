@@ -7,8 +7,8 @@
 #define MPM_MATRIX_ENTRIES 3e8 /* the most that a file may have */
 
 /*S
-   MpmEntries - the entries of a matrix that is read, in any order; entries of one place are added. Rows and columns count
-   from 0. steps: that the matrix covers; 0: the file does not say. hooked: what the hook says of it.
+   MpmEntries - the entries of a matrix that is read, in any order, with room for those of a diagonal; entries of one place are
+   added. Rows and columns count from 0. steps: that the matrix covers; 0: the file does not say. hooked: what the hook says of it.
 S*/
 typedef struct {
   PetscInt64 rows, columns, n, steps;
@@ -18,11 +18,14 @@ typedef struct {
 } MpmEntries;
 
 /*S
-   MpmCsr - a square matrix row by row: those of row i are begin[i] to begin[i + 1], by their columns.
+   MpmCsr - a square matrix row by row: those of row i are begin[i] to begin[i + 1], by their columns. Other ranks than the
+   first have no rows.
 S*/
 typedef struct {
-  PetscInt   order, *begin, *column;
-  PetscReal *value;
+  Mat            *whole;
+  PetscInt        order;
+  const PetscInt *begin, *column;
+  PetscReal      *value;
 } MpmCsr;
 
 /*
@@ -37,13 +40,9 @@ void MpmEntriesToScales(MpmEntries *entries);
 
 PetscErrorCode MpmEntriesFree(MpmEntries *entries);
 
-/* Not collective. Sorts entries into rows. Each row has an entry on the diagonal, if only a 0: solvers shift the matrix. */
-PetscErrorCode MpmCsrFromEntries(const MpmEntries *entries, MpmCsr *csr);
-PetscErrorCode MpmCsrFree(MpmCsr *csr);
+/* Collective. The matrix of the first rank's entries. Each row has one on the diagonal, if only a 0: solvers shift the matrix. */
+PetscErrorCode MpmMatrixOfEntries(MPI_Comm comm, MpmEntries *entries, Mat *A);
 
-/*
-   Collective. MpmCsrScatter - deals the rows of the first rank's matrix to the ranks. MpmCsrGather - brings the rows of an
-   AIJ matrix, times 2^exponent, to the first rank.
-*/
-PetscErrorCode MpmCsrScatter(MPI_Comm comm, const MpmCsr *csr, Mat *A);
+/* Collective. Brings the rows of an AIJ matrix, times 2^exponent, to the first rank. */
 PetscErrorCode MpmCsrGather(Mat A, PetscInt exponent, MpmCsr *csr);
+PetscErrorCode MpmCsrFree(MpmCsr *csr);

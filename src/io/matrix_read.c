@@ -184,7 +184,6 @@ PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal toleran
                              MpmCertificates *certificates, Mat *A)
 {
   MpmEntries        entries           = {.n = 0};
-  MpmCsr            csr               = {.order = 0};
   char              why[MPM_WHY_TEXT] = "";
   PetscInt64        said              = 0;
   const PetscMPIInt rank              = MpmRankOf(comm);
@@ -206,12 +205,8 @@ PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal toleran
                 MPM_MATRIX_MOST_STEPS);
   PetscCall(MpmHookedCertificates(comm, &entries.hooked, tolerance, certificates));
   if (!*steps) *steps = said ? (PetscInt)said : 1;
-  if (rank == 0) {
-    MpmEntriesToScales(&entries);
-    PetscCall(MpmCsrFromEntries(&entries, &csr));
-  }
+  if (rank == 0) MpmEntriesToScales(&entries);
+  PetscCall(MpmMatrixOfEntries(comm, &entries, A));
   PetscCall(MpmEntriesFree(&entries));
-  PetscCall(MpmCsrScatter(comm, &csr, A));
-  PetscCall(MpmCsrFree(&csr));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

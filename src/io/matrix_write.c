@@ -22,8 +22,8 @@ static PetscBool IsHdf5(const char path[])
 
 static PetscErrorCode WriteHdf5(const char path[], const MpmCsr *c, PetscInt steps)
 {
-  const PetscInt64  n        = c->begin ? c->begin[c->order] : 0;
   const PetscMPIInt rank     = MpmRankOf(PETSC_COMM_WORLD);
+  const PetscInt    n        = rank ? 0 : c->begin[c->order];
   PetscInt64        shape[2] = {c->order, c->order};
   MpmDataFile       file;
   hid_t             whole;
