@@ -5,6 +5,7 @@
 #include "base/suggest.h"
 #include <mpmstab/errors.h>
 #include <ctype.h>
+#include <stddef.h>
 #include <string.h>
 
 #define LONGEST_TEXT 400 /* characters of a line, a name or a reference */
@@ -14,7 +15,52 @@ typedef struct {
   MpmWritten      *written;
 } Reader;
 
-typedef PetscErrorCode (*ReadKey)(Reader *r, const char key[], const yaml_node_t *node);
+/* What the value of a key is: a text; names with a rank, or a text, each; lines; names; or the keys of a transfer. */
+typedef enum { A_TEXT, RANKS, TEXTS, LINES, NAMES, TRANSFER } Kind;
+
+/* A key: where its texts are, and their number, in MpmWritten; the bytes from one to the next; how many there is room for. */
+typedef struct {
+  const char *name;
+  Kind        kind;
+  size_t      at, n, size;
+  PetscInt    room;
+} Key;
+
+#define AT(member) offsetof(MpmWritten, member)
+#define MANY(kind, member, n, room) kind, AT(member), AT(n), sizeof *((MpmWritten *)0)->member, room
+#define NKEYS(keys) PETSC_STATIC_ARRAY_LENGTH(keys)
+
+static const Key of_transfer[] = {
+    {"name", A_TEXT, AT(transfer.name), 0, 0, 1},
+    {"parameters", MANY(TEXTS, parameters, nparameters, MPM_MOST_PARAMETERS)},
+    {"particles", MANY(NAMES, transfer.particle, transfer.nparticles, MPM_MAX_FIELDS - 1)},
+    {"nodes", MANY(NAMES, transfer.node, transfer.nnodes, MPM_MAX_FIELDS - 1)},
+    {"filter", MANY(LINES, transfer.lines, transfer.nlines, MPM_MOST_LINES_OF_FILTER)}};
+
+static const Key of_scheme[] = {{"name", A_TEXT, AT(name), 0, 0, 1},
+                                {"reference", A_TEXT, AT(reference), 0, 0, 1},
+                                {"summary", A_TEXT, AT(summary), 0, 0, 1},
+                                {"particles", MANY(RANKS, particles, nparticles, MPM_MAX_FIELDS)},
+                                {"nodes", MANY(RANKS, nodes, nnodes, MPM_MAX_FIELDS)},
+                                {"step", MANY(LINES, step, nstep, MPM_MOST_LINES_OF_STEP)},
+                                {"parameters", MANY(TEXTS, parameters, nparameters, MPM_MOST_PARAMETERS)},
+                                {"energy", MANY(TEXTS, energy, nenergy, MPM_MAX_FIELDS)},
+                                {"wave", A_TEXT, AT(wave), 0, 0, 1},
+                                {"staggered", A_TEXT, AT(staggered), 0, 0, 1},
+                                {"affine", A_TEXT, AT(affine), 0, 0, 1},
+                                {"conserved", A_TEXT, AT(conserved), 0, 0, 1},
+                                {"transfer", TRANSFER, 0, 0, 0, 0}};
+
+static PetscInt *NumberOf(MpmWritten *w, const Key *key)
+{
+  return (PetscInt *)(void *)((char *)w + key->n);
+}
+
+/* The text i of a key. A name is followed by its text, or its rank. */
+static MpmWrittenText *TextAt(MpmWritten *w, const Key *key, PetscInt i)
+{
+  return (MpmWrittenText *)(void *)((char *)w + key->at + (size_t)i * key->size);
+}
 
 static int LineOf(const yaml_node_t *node)
 {
@@ -52,22 +98,15 @@ static PetscErrorCode TextOf(Reader *r, const char key[], const yaml_node_t *nod
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Goes through the entries of a mapping, at most room of them. */
-static PetscErrorCode EachEntry(Reader *r, const char key[], const yaml_node_t *node, PetscInt room, PetscInt *n,
-                                PetscErrorCode (*entry)(Reader *r, PetscInt i, const yaml_node_t *name,
-                                                        const yaml_node_t *value))
+/* The next text of a key. It is counted first, so that what is kept of it is freed when it is refused. */
+static PetscErrorCode Next(Reader *r, const Key *key, int line, MpmWrittenText **text)
 {
-  PetscFunctionBegin;
-  MpmCheckInput(node->type == YAML_MAPPING_NODE, "%s:%d: %s: allowed: names with a value each, as {v: vector}",
-                r->written->file, LineOf(node), key);
-  for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start; pair < node->data.mapping.pairs.top; pair++) {
-    const yaml_node_t *name = yaml_document_get_node(r->document, pair->key);
+  PetscInt *n = NumberOf(r->written, key);
 
-    MpmCheckInput(*n < room, "%s:%d: %s: more than the %" PetscInt_FMT " that fit", r->written->file, LineOf(name), key,
-                  room);
-    ++*n; /* first, so that what is kept of it is freed when it is refused */
-    PetscCall(entry(r, *n - 1, name, yaml_document_get_node(r->document, pair->value)));
-  }
+  PetscFunctionBegin;
+  MpmCheckInput(*n < key->room, "%s:%d: %s%s: more than the %" PetscInt_FMT "%s that fit", r->written->file, line,
+                key->name, key->kind == NAMES ? " of a transfer" : "", key->room, key->kind == LINES ? " lines" : "");
+  *text = TextAt(r->written, key, (*n)++);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -150,75 +189,32 @@ static PetscErrorCode RankOf(Reader *r, const yaml_node_t *value, MpmRank *rank)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode OneParticle(Reader *r, PetscInt i, const yaml_node_t *name, const yaml_node_t *value)
+/* Reads the entries of a mapping. */
+static PetscErrorCode ReadPairs(Reader *r, const Key *key, const yaml_node_t *node)
 {
+  MpmWrittenText *text;
+
   PetscFunctionBegin;
-  PetscCall(TextOf(r, "particles", name, &r->written->particles[i].name));
-  PetscCall(RankOf(r, value, &r->written->particles[i].rank));
+  MpmCheckInput(node->type == YAML_MAPPING_NODE, "%s:%d: %s: allowed: names with a value each, as {v: vector}",
+                r->written->file, LineOf(node), key->name);
+  for (const yaml_node_pair_t *pair = node->data.mapping.pairs.start; pair < node->data.mapping.pairs.top; pair++) {
+    const yaml_node_t *name  = yaml_document_get_node(r->document, pair->key);
+    const yaml_node_t *value = yaml_document_get_node(r->document, pair->value);
+
+    PetscCall(Next(r, key, LineOf(name), &text));
+    PetscCall(TextOf(r, key->name, name, text));
+    if (key->kind == RANKS)
+      PetscCall(RankOf(r, value, &((MpmWrittenField *)(void *)text)->rank));
+    else
+      PetscCall(TextOf(r, key->name, value, text + 1));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Particles(Reader *r, const char key[], const yaml_node_t *node)
+static PetscErrorCode AddLine(Reader *r, const Key *key, const char text[], size_t length, int line)
 {
-  PetscFunctionBegin;
-  PetscCall(EachEntry(r, key, node, MPM_MAX_FIELDS, &r->written->nparticles, OneParticle));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+  MpmWrittenText *kept;
 
-static PetscErrorCode OneNode(Reader *r, PetscInt i, const yaml_node_t *name, const yaml_node_t *value)
-{
-  PetscFunctionBegin;
-  PetscCall(TextOf(r, "nodes", name, &r->written->nodes[i].name));
-  PetscCall(RankOf(r, value, &r->written->nodes[i].rank));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Nodes(Reader *r, const char key[], const yaml_node_t *node)
-{
-  PetscFunctionBegin;
-  PetscCall(EachEntry(r, key, node, MPM_MAX_FIELDS, &r->written->nnodes, OneNode));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode OneParameter(Reader *r, PetscInt i, const yaml_node_t *name, const yaml_node_t *value)
-{
-  PetscFunctionBegin;
-  PetscCall(TextOf(r, "parameters", name, &r->written->parameters[i].name));
-  PetscCall(TextOf(r, "parameters", value, &r->written->parameters[i].text));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Parameters(Reader *r, const char key[], const yaml_node_t *node)
-{
-  PetscFunctionBegin;
-  PetscCall(EachEntry(r, key, node, MPM_MOST_PARAMETERS, &r->written->nparameters, OneParameter));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode OneTerm(Reader *r, PetscInt i, const yaml_node_t *name, const yaml_node_t *value)
-{
-  PetscFunctionBegin;
-  PetscCall(TextOf(r, "energy", name, &r->written->energy[i].field));
-  PetscCall(TextOf(r, "energy", value, &r->written->energy[i].kind));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Energy(Reader *r, const char key[], const yaml_node_t *node)
-{
-  PetscFunctionBegin;
-  PetscCall(EachEntry(r, key, node, MPM_MAX_FIELDS, &r->written->nenergy, OneTerm));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Lines, of the step or of a filter, of which there is room for so many. */
-typedef struct {
-  const char     *key;
-  PetscInt        room, *n;
-  MpmWrittenText *line;
-} Lines;
-
-static PetscErrorCode AddLine(Reader *r, const Lines *lines, const char text[], size_t length, int line)
-{
   PetscFunctionBegin;
   while (length && isspace((unsigned char)*text)) {
     text++;
@@ -226,18 +222,14 @@ static PetscErrorCode AddLine(Reader *r, const Lines *lines, const char text[], 
   }
   while (length && isspace((unsigned char)text[length - 1])) length--;
   if (!length) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(*lines->n < lines->room, "%s:%d: %s: more than the %" PetscInt_FMT " lines that fit", r->written->file,
-                line, lines->key, lines->room);
-  ++*lines->n;
-  PetscCall(KeepText(r, lines->key, text, length, line, &lines->line[*lines->n - 1]));
+  PetscCall(Next(r, key, line, &kept));
+  PetscCall(KeepText(r, key->name, text, length, line, kept));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A list with a line each, or one text of several lines. */
-static PetscErrorCode ReadLines(Reader *r, const Lines *lines, const yaml_node_t *node)
+static PetscErrorCode ReadLines(Reader *r, const Key *key, const yaml_node_t *node)
 {
-  const char *key = lines->key;
-
   PetscFunctionBegin;
   if (node->type == YAML_SCALAR_NODE) {
     const char *text = (const char *)node->data.scalar.value, *end = text + node->data.scalar.length;
@@ -247,52 +239,52 @@ static PetscErrorCode ReadLines(Reader *r, const Lines *lines, const yaml_node_t
       const char *next = memchr(text, '\n', (size_t)(end - text));
 
       if (!next) next = end;
-      PetscCall(AddLine(r, lines, text, (size_t)(next - text), line));
+      PetscCall(AddLine(r, key, text, (size_t)(next - text), line));
       text = next + 1;
     }
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   MpmCheckInput(node->type == YAML_SEQUENCE_NODE, "%s:%d: %s: allowed: a list of lines, as '- v_i = P2G v'",
-                r->written->file, LineOf(node), key);
+                r->written->file, LineOf(node), key->name);
   for (const yaml_node_item_t *i = node->data.sequence.items.start; i < node->data.sequence.items.top; i++) {
     const yaml_node_t *item = yaml_document_get_node(r->document, *i);
 
     MpmCheckInput(item->type == YAML_SCALAR_NODE && item->data.scalar.length,
-                  "%s:%d: %s: allowed: a list of lines, as '- v_i = P2G v'", r->written->file, LineOf(item), key);
-    PetscCall(AddLine(r, lines, (const char *)item->data.scalar.value, item->data.scalar.length, LineOf(item)));
+                  "%s:%d: %s: allowed: a list of lines, as '- v_i = P2G v'", r->written->file, LineOf(item), key->name);
+    PetscCall(AddLine(r, key, (const char *)item->data.scalar.value, item->data.scalar.length, LineOf(item)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Step(Reader *r, const char key[], const yaml_node_t *node)
+/* The fields that a filter has besides q and g. They are of their rank. */
+static PetscErrorCode ReadNames(Reader *r, const Key *key, const yaml_node_t *node)
 {
-  const Lines lines = {key, MPM_MOST_LINES_OF_STEP, &r->written->nstep, r->written->step};
+  MpmWrittenText *text;
 
   PetscFunctionBegin;
-  PetscCall(ReadLines(r, &lines, node));
+  MpmCheckInput(node->type == YAML_SEQUENCE_NODE, "%s:%d: %s of a transfer: allowed: a list of names, as [a, b]",
+                r->written->file, LineOf(node), key->name);
+  for (const yaml_node_item_t *i = node->data.sequence.items.start; i < node->data.sequence.items.top; i++) {
+    const yaml_node_t *item = yaml_document_get_node(r->document, *i);
+
+    PetscCall(Next(r, key, LineOf(item), &text));
+    PetscCall(TextOf(r, key->name, item, text));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode OneText(Reader *r, const char key[], const yaml_node_t *node)
-{
-  const struct {
-    const char     *key;
-    MpmWrittenText *text;
-  } texts[] = {{"name", &r->written->name},           {"reference", &r->written->reference},
-               {"summary", &r->written->summary},     {"wave", &r->written->wave},
-               {"staggered", &r->written->staggered}, {"affine", &r->written->affine},
-               {"conserved", &r->written->conserved}};
+static PetscErrorCode ReadTransfer(Reader *r, const yaml_node_t *node);
 
+static PetscErrorCode ReadKey(Reader *r, const Key *key, const yaml_node_t *node)
+{
   PetscFunctionBegin;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(texts); i++)
-    if (!strcmp(key, texts[i].key)) PetscCall(TextOf(r, key, node, texts[i].text));
+  if (key->kind == A_TEXT) PetscCall(TextOf(r, key->name, node, TextAt(r->written, key, 0)));
+  if (key->kind == RANKS || key->kind == TEXTS) PetscCall(ReadPairs(r, key, node));
+  if (key->kind == LINES) PetscCall(ReadLines(r, key, node));
+  if (key->kind == NAMES) PetscCall(ReadNames(r, key, node));
+  if (key->kind == TRANSFER) PetscCall(ReadTransfer(r, node));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-typedef struct {
-  const char *name;
-  ReadKey     read;
-} Key;
 
 #define MOST_KEYS 16
 
@@ -334,64 +326,17 @@ static PetscErrorCode ReadMapping(Reader *r, const char what[], size_t n, const 
     MpmCheckInput(!seen[at], "%s:%d: key '%s' is given a second time; allowed: once", w->file, LineOf(name),
                   keys[at].name);
     seen[at] = PETSC_TRUE;
-    PetscCall(keys[at].read(r, keys[at].name, yaml_document_get_node(r->document, pair->value)));
+    PetscCall(ReadKey(r, &keys[at], yaml_document_get_node(r->document, pair->value)));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- transfers ---- */
-
-static PetscErrorCode TransferName(Reader *r, const char key[], const yaml_node_t *node)
+static PetscErrorCode ReadTransfer(Reader *r, const yaml_node_t *node)
 {
-  PetscFunctionBegin;
-  PetscCall(TextOf(r, key, node, &r->written->transfer.name));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The fields that a filter has besides q and g. They are of their rank. */
-static PetscErrorCode TransferFields(Reader *r, const char key[], const yaml_node_t *node)
-{
-  MpmWrittenTransfer *t    = &r->written->transfer;
-  const PetscBool     on   = !strcmp(key, "nodes") ? PETSC_TRUE : PETSC_FALSE;
-  PetscInt           *n    = on ? &t->nnodes : &t->nparticles;
-  MpmWrittenText     *name = on ? t->node : t->particle;
-
-  PetscFunctionBegin;
-  MpmCheckInput(node->type == YAML_SEQUENCE_NODE, "%s:%d: %s of a transfer: allowed: a list of names, as [a, b]",
-                r->written->file, LineOf(node), key);
-  for (const yaml_node_item_t *i = node->data.sequence.items.start; i < node->data.sequence.items.top; i++) {
-    const yaml_node_t *item = yaml_document_get_node(r->document, *i);
-
-    MpmCheckInput(*n < MPM_MAX_FIELDS - 1, "%s:%d: %s of a transfer: more than the %d that fit", r->written->file,
-                  LineOf(item), key, MPM_MAX_FIELDS - 1);
-    ++*n;
-    PetscCall(TextOf(r, key, item, &name[*n - 1]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode TransferLines(Reader *r, const char key[], const yaml_node_t *node)
-{
-  MpmWrittenTransfer *t     = &r->written->transfer;
-  const Lines         lines = {key, MPM_MOST_LINES_OF_FILTER, &t->nlines, t->lines};
-
-  PetscFunctionBegin;
-  PetscCall(ReadLines(r, &lines, node));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Transfer(Reader *r, const char key[], const yaml_node_t *node)
-{
-  static const Key keys[] = {{"name", TransferName},
-                             {"parameters", Parameters},
-                             {"particles", TransferFields},
-                             {"nodes", TransferFields},
-                             {"filter", TransferLines}};
-
   const MpmWrittenTransfer *t = &r->written->transfer;
 
   PetscFunctionBegin;
-  PetscCall(ReadMapping(r, key, PETSC_STATIC_ARRAY_LENGTH(keys), keys, node));
+  PetscCall(ReadMapping(r, "transfer", NKEYS(of_transfer), of_transfer, node));
   MpmCheckInput(t->name.text && t->nlines, "%s:%d: transfer: '%s' is missing; allowed: a transfer with name and filter",
                 r->written->file, LineOf(node), t->name.text ? "filter" : "name");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -411,16 +356,10 @@ static PetscBool IsTransferAlone(const MpmWritten *w)
 
 static PetscErrorCode ReadScheme(Reader *r, const yaml_node_t *node)
 {
-  static const Key keys[] = {{"name", OneText},          {"reference", OneText}, {"summary", OneText},
-                             {"particles", Particles},   {"nodes", Nodes},       {"step", Step},
-                             {"parameters", Parameters}, {"energy", Energy},     {"wave", OneText},
-                             {"staggered", OneText},     {"affine", OneText},    {"conserved", OneText},
-                             {"transfer", Transfer}};
-
   const MpmWritten *w = r->written;
 
   PetscFunctionBegin;
-  PetscCall(ReadMapping(r, "scheme", PETSC_STATIC_ARRAY_LENGTH(keys), keys, node));
+  PetscCall(ReadMapping(r, "scheme", NKEYS(of_scheme), of_scheme, node));
   if (IsTransferAlone(w)) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(w->name.text && w->nparticles && w->nnodes && w->nstep,
                 "%s:%d: scheme: '%s' is missing; allowed: a scheme with name, particles, nodes and step", w->file,
@@ -494,34 +433,25 @@ PetscErrorCode MpmWrittenFromYaml(const char file[], yaml_document_t *document, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Free(MpmWritten *w, size_t n, const Key keys[])
+{
+  PetscFunctionBegin;
+  for (size_t k = 0; k < n; k++)
+    for (PetscInt i = 0; i < (keys[k].n ? *NumberOf(w, &keys[k]) : keys[k].room); i++) {
+      MpmWrittenText *text = TextAt(w, &keys[k], i);
+
+      PetscCall(PetscFree(text->text));
+      if (keys[k].kind == TEXTS) PetscCall(PetscFree(text[1].text));
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmWrittenDestroy(MpmWritten **written)
 {
-  MpmWritten *w = *written;
-
   PetscFunctionBegin;
-  if (!w) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscFree(w->name.text));
-  PetscCall(PetscFree(w->reference.text));
-  PetscCall(PetscFree(w->summary.text));
-  PetscCall(PetscFree(w->wave.text));
-  PetscCall(PetscFree(w->staggered.text));
-  PetscCall(PetscFree(w->affine.text));
-  PetscCall(PetscFree(w->conserved.text));
-  for (PetscInt i = 0; i < w->nparticles; i++) PetscCall(PetscFree(w->particles[i].name.text));
-  for (PetscInt i = 0; i < w->nnodes; i++) PetscCall(PetscFree(w->nodes[i].name.text));
-  for (PetscInt i = 0; i < w->nstep; i++) PetscCall(PetscFree(w->step[i].text));
-  for (PetscInt i = 0; i < w->nparameters; i++) {
-    PetscCall(PetscFree(w->parameters[i].name.text));
-    PetscCall(PetscFree(w->parameters[i].text.text));
-  }
-  for (PetscInt i = 0; i < w->nenergy; i++) {
-    PetscCall(PetscFree(w->energy[i].field.text));
-    PetscCall(PetscFree(w->energy[i].kind.text));
-  }
-  PetscCall(PetscFree(w->transfer.name.text));
-  for (PetscInt i = 0; i < w->transfer.nparticles; i++) PetscCall(PetscFree(w->transfer.particle[i].text));
-  for (PetscInt i = 0; i < w->transfer.nnodes; i++) PetscCall(PetscFree(w->transfer.node[i].text));
-  for (PetscInt i = 0; i < w->transfer.nlines; i++) PetscCall(PetscFree(w->transfer.lines[i].text));
+  if (!*written) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Free(*written, NKEYS(of_scheme), of_scheme));
+  PetscCall(Free(*written, NKEYS(of_transfer), of_transfer));
   PetscCall(PetscFree(*written));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
