@@ -128,7 +128,7 @@ WHEN(HasExponent, s->law->exponent > 0)
 #define WORDS(names)       .words = names
 #define SHOWN(function)    .shown = function
 #define TEXT(function)     .value = MPM_AS_TEXT, .text = function, .by_hand = PETSC_TRUE
-#define FILE_IN(member)    .value = MPM_AS_TEXT, .owner = MPM_OF_REQUEST, .at = offsetof(MpmRequest, member), .by_hand = PETSC_TRUE
+#define FILE_IN(member)    ASKED(AS_TEXT, member)
 #define IN(file, json, checkpoint, mode_file) .place = {file, json, checkpoint, mode_file}
 
 const MpmField MpmOptions[] = {
@@ -255,7 +255,7 @@ const MpmField MpmOptions[] = {
   {"polarisation", MPM_WORD, "p", "momentum schemes with dim 2 or 3, initial mode: p moves along the wave, s across it",
    WORDS(MpmPolarisationNames), .tasks = "run, spectrum", KEPT(AS_WORD, polarisation), IN(35, 0, 30, 0), SHOWN(HasPolarisation)},
   {"mode_file", MPM_PATH, NULL, "file of 'spectrum -output' with the eigenvector for initial eigenmode",
-   NO_RANGE, .tasks = "run", READS},
+   NO_RANGE, FILE_IN(mode_file), .tasks = "run", READS},
   {"amplitude", MPM_REAL, "1", "amplitude of the initial data",
    ABOVE(0), .tasks = "run, spectrum", KEPT(AS_REAL, amplitude), IN(21, 0, 25, 0)},
   {"stagger", MPM_SWITCH, "false", "start the field updated first half a step early",
@@ -327,7 +327,7 @@ const MpmField MpmOptions[] = {
   {"program_set", MPM_PATH, NULL, "parameters of program or plugin that are set before the first step, such as dt=2e-4,E=400",
    NO_RANGE, .tasks = "spectrum, symbol, critical, map", FILE_IN(program_set), IN(65, 47, 0, 0), OF_MATRIX},
   {"program_dt", MPM_PATH, NULL, "parameter of program or plugin that is its time step (default: dt)",
-   NO_RANGE, .tasks = "critical, spectrum, symbol", OF_MATRIX},
+   NO_RANGE, FILE_IN(program_dt), .tasks = "critical, spectrum, symbol", OF_MATRIX},
   {"program_timeout", MPM_REAL, "60", "seconds in which program, or a function of plugin, must answer",
    ABOVE(0), .tasks = "spectrum, symbol, critical, map", ASKED(AS_REAL, program_timeout), OF_MATRIX},
   {"probe", MPM_WORD, NULL, "how program or plugin is probed: bloch (one cell), coloured (particles that do not feel one another at a time) or matrix_free (every column, or products alone) (default: bloch where all cells are alike, coloured in other layouts, matrix_free where a step reaches the whole domain or particles have no places)",
@@ -339,9 +339,9 @@ const MpmField MpmOptions[] = {
   {"matrix_steps", MPM_INTEGER, NULL, "steps that the matrix or the blocks cover, so that growth is per step (default: what the file says, else 1)",
    BETWEEN(1, MPM_MATRIX_MOST_STEPS), .tasks = "spectrum, symbol", ASKED(AS_COUNT, matrix_steps), OF_MATRIX},
   {"write_matrix", MPM_PATH, NULL, "file for the operator: .mtx (Matrix Market), .npz (scipy), .h5, .hdf5 or .petsc",
-   NO_RANGE, .tasks = "spectrum", OF_MATRIX, WRITES(".mtx, .npz, .h5, .hdf5 or .petsc")},
+   NO_RANGE, FILE_IN(write_matrix), .tasks = "spectrum", OF_MATRIX, WRITES(".mtx, .npz, .h5, .hdf5 or .petsc")},
   {"write_blocks", MPM_PATH, NULL, "file for the blocks A_d, of which the symbol is sum_d A_d e^(-i beta.d): .npz, .h5 or .hdf5",
-   NO_RANGE, .tasks = "symbol", OF_MATRIX, WRITES(".npz, .h5 or .hdf5")},
+   NO_RANGE, FILE_IN(write_blocks), .tasks = "symbol", OF_MATRIX, WRITES(".npz, .h5 or .hdf5")},
   {"survey", MPM_SWITCH, "false", "a table of the limits of all schemes at this layout",
    .tasks = "critical", ASKED(AS_SWITCH, survey)},
   {"neighbourhood", MPM_WORDS, NULL, "where particles are: bulk, edge, corner, lone, random, several of these with commas, or all (default: bulk; all of critical for a lattice in physical units)",
@@ -351,17 +351,17 @@ const MpmField MpmOptions[] = {
   {"layouts", MPM_INTEGER, NULL, "random layouts: of seed and the seeds after it (default: 100 of ensemble, 20 of neighbourhood random)",
    BETWEEN(1, 1000000), .tasks = "ensemble, critical, spectrum", ASKED(AS_COUNT, layouts)},
   {"output", MPM_PATH, NULL, "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum, symbol or map",
-   NO_RANGE, .tasks = "run, spectrum, symbol, map", OF_MATRIX, WRITES(".h5 or .hdf5")},
+   NO_RANGE, FILE_IN(output), .tasks = "run, spectrum, symbol, map", OF_MATRIX, WRITES(".h5 or .hdf5")},
   {"output_every", MPM_INTEGER, NULL, "steps between outputs (default: first and last)",
    BETWEEN(1, 1e15), .tasks = "run", ASKED(AS_LONG, output_every)},
   {"checkpoint", MPM_PATH, NULL, "file that a run can be gone on from: at its end, on SIGTERM, and every checkpoint_every steps",
-   NO_RANGE, .tasks = "run", WRITES(".h5 or .hdf5")},
+   NO_RANGE, FILE_IN(checkpoint), .tasks = "run", WRITES(".h5 or .hdf5")},
   {"checkpoint_every", MPM_INTEGER, NULL, "steps between checkpoints",
    BETWEEN(1, 1e15), .tasks = "run", ASKED(AS_LONG, checkpoint_every)},
   {"restart", MPM_PATH, NULL, "checkpoint to go on from",
-   NO_RANGE, .tasks = "run", READS},
-  {"json", MPM_PATH, NULL, "file for the result, as JSON", NO_RANGE, OF_MATRIX, WRITES(".json")},
-  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves, or with damping a row for each wave and time step; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE, OF_MATRIX, WRITES(".csv")},
+   NO_RANGE, FILE_IN(restart), .tasks = "run", READS},
+  {"json", MPM_PATH, NULL, "file for the result, as JSON", NO_RANGE, FILE_IN(json), OF_MATRIX, WRITES(".json")},
+  {"csv", MPM_PATH, NULL, "CSV file: of run, the time series; of spectrum, the eigenvalues; of symbol, the curves, or with damping a row for each wave and time step; of critical, a row for each scheme; of ensemble, one for each layout; of map, one for each point", NO_RANGE, FILE_IN(csv), OF_MATRIX, WRITES(".csv")},
   {"trust_scene", MPM_SWITCH, "false", "on the command line only: the scene may name a program or a plugin, which is run, and files to write in any folder",
    NO_RANGE, OF_MATRIX, .no_key = PETSC_TRUE},
   {"progress", MPM_SWITCH, NULL, "progress line from the start (default: after 2 s on a terminal)", NO_RANGE, OF_MATRIX},
@@ -370,17 +370,17 @@ const MpmField MpmOptions[] = {
   {"expect_kind", MPM_WORD, NULL, "fail unless growth is of this kind: bounded, linear or exponential",
    WORDS(MpmGrowthKindNames), .tasks = "run", ASKED(AS_WORD, expect.kind)},
   {"expect_growth", MPM_RANGE, NULL, "fail unless measured growth lies in lo,hi",
-   ANY, .tasks = "run", ASKED(AS_RANGE, expect.growth)},
+   ANY, .tasks = "run", ASKED(AS_RANGE, expect.range[MPM_EXPECT_GROWTH])},
   {"expect_spectrum", MPM_RANGE, NULL, "fail unless the growth of spectrum or symbol lies in lo,hi",
-   ANY, .tasks = "spectrum, symbol", ASKED(AS_RANGE, expect.spectrum), OF_MATRIX},
+   ANY, .tasks = "spectrum, symbol", ASKED(AS_RANGE, expect.range[MPM_EXPECT_SPECTRUM]), OF_MATRIX},
   {"expect_critical", MPM_RANGE, NULL, "fail unless the critical Courant number, or of program and plugin the critical dt, lies in lo,hi",
-   ANY, .tasks = "critical", ASKED(AS_RANGE, expect.critical), OF_MATRIX},
+   ANY, .tasks = "critical", ASKED(AS_RANGE, expect.range[MPM_EXPECT_CRITICAL]), OF_MATRIX},
   {"expect_share", MPM_RANGE, NULL, "fail unless the share of unstable layouts lies in lo,hi",
-   ANY, .tasks = "ensemble", ASKED(AS_RANGE, expect.share)},
+   ANY, .tasks = "ensemble", ASKED(AS_RANGE, expect.range[MPM_EXPECT_SHARE])},
   {"expect_error", MPM_RANGE, NULL, "fail unless the largest l2 error lies in lo,hi",
-   ANY, .tasks = "run", ASKED(AS_RANGE, expect.error)},
+   ANY, .tasks = "run", ASKED(AS_RANGE, expect.range[MPM_EXPECT_ERROR])},
   {"expect_energy", MPM_RANGE, NULL, "fail unless final / initial energy lies in lo,hi",
-   ANY, .tasks = "run", ASKED(AS_RANGE, expect.energy)},
+   ANY, .tasks = "run", ASKED(AS_RANGE, expect.range[MPM_EXPECT_ENERGY])},
   {NULL},
 };
 
@@ -401,7 +401,11 @@ PetscInt MpmOptionIndex(const char name[])
 
 PetscBool MpmFieldIsOf(const MpmField *option, const char task[])
 {
-  return !option->tasks || strstr(option->tasks, task) ? PETSC_TRUE : PETSC_FALSE;
+  const size_t length = strlen(task);
+
+  for (const char *of = option->tasks; of && *of; of += strcspn(of, ", "), of += strspn(of, ", "))
+    if (strcspn(of, ", ") == length && !strncmp(of, task, length)) return PETSC_TRUE;
+  return option->tasks ? PETSC_FALSE : PETSC_TRUE;
 }
 
 const char *MpmOptionNear(const char name[])

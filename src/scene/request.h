@@ -11,13 +11,25 @@
 #include <string.h>
 
 /*S
-   MpmExpect - what a scene says must come out; the has_* say which of these it says. Ranges are lo, hi.
+   MpmExpect - what a scene says must come out; has_verdict, has_kind and has say which of these it says. Ranges of numbers are
+   lo, hi, in the order of MpmExpectOptions.
 S*/
+typedef enum {
+  MPM_EXPECT_GROWTH,
+  MPM_EXPECT_SPECTRUM,
+  MPM_EXPECT_ERROR,
+  MPM_EXPECT_ENERGY,
+  MPM_EXPECT_CRITICAL,
+  MPM_EXPECT_SHARE,
+  MPM_EXPECTED
+} MpmExpected;
+extern const char *const MpmExpectOptions[MPM_EXPECTED];
+
 typedef struct {
-  PetscBool     has_verdict, has_kind, has_growth, has_spectrum, has_error, has_energy, has_critical, has_share;
+  PetscBool     has_verdict, has_kind, has[MPM_EXPECTED];
   MpmVerdict    verdict;
   MpmGrowthKind kind;
-  PetscReal     growth[2], spectrum[2], error[2], energy[2], critical[2], share[2];
+  PetscReal     range[MPM_EXPECTED][2];
 } MpmExpect;
 
 /*S

@@ -135,7 +135,6 @@ typedef struct {
 static PetscErrorCode Say(const char task[], const char name[], const char value[], const char place[], Lines *lines)
 {
   const PetscInt option = MpmOptionIndex(name);
-  const char    *tasks  = option == MPM_NOT_AN_OPTION ? NULL : MpmOptions[option].tasks;
   const size_t   length = strlen(place);
   MpmText       *line   = lines->place;
 
@@ -145,7 +144,8 @@ static PetscErrorCode Say(const char task[], const char name[], const char value
     line++;
   if (!line->text) PetscCall(MpmTextAdd(line, "%s:", place));
   PetscCall(MpmTextAdd(line, " -%s%s%s", name, value && value[0] ? " " : "", value ? value : ""));
-  if (tasks && !strstr(tasks, task)) PetscCall(MpmTextAdd(line, " (not read by this task)"));
+  if (option != MPM_NOT_AN_OPTION && !MpmFieldIsOf(&MpmOptions[option], task))
+    PetscCall(MpmTextAdd(line, " (not read by this task)"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

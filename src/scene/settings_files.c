@@ -11,7 +11,7 @@
 
 #define MESSAGE 4096
 #define BETWEEN_WORDS " \t\n'\"=;|&<>()"
-#define LONGEST 1024 /* characters; a longer name is refused */
+#define LONGEST 1024 /* characters of a name of a file */
 
 /* Whether the task reads an option that names a file which is used so, and the option was given. */
 static PetscBool IsUsed(const MpmSettings *settings, const char task[], PetscInt option, MpmFileUse use)
@@ -19,19 +19,6 @@ static PetscBool IsUsed(const MpmSettings *settings, const char task[], PetscInt
   const MpmField *o = &MpmOptions[option];
 
   return o->file == use && settings->text[option] && MpmFieldIsOf(o, task) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscErrorCode ReadPath(const MpmSettings *settings, const char task[], const char name[], char path[])
-{
-  const PetscInt option = MpmOptionIndex(name);
-  const char    *text;
-
-  PetscFunctionBegin;
-  if (!IsUsed(settings, task, option, MpmOptions[option].file)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsPath(settings, name, &text));
-  MpmSettingsRefuseIf(strlen(text) >= LONGEST, settings, name, "allowed: a shorter name");
-  (void)snprintf(path, LONGEST, "%s", text);
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Where the ending of a file's name begins, with its point; NULL: it has none. */
@@ -43,14 +30,13 @@ static const char *Ending(const char path[])
 }
 
 /* HDF5 under the name of another kind of file would be taken for that kind. XDMF names datasets as FILE:PATH inside XML. */
-static PetscErrorCode ReadOutput(const MpmSettings *settings, MpmRequest *request)
+static PetscErrorCode CheckOutput(const MpmSettings *settings, MpmRequest *request)
 {
   const char *const path = request->output;
   const char       *ending;
   int               length;
 
   PetscFunctionBegin;
-  PetscCall(ReadPath(settings, request->task, "output", request->output));
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
   ending = Ending(path);
   length = (int)(ending ? (size_t)(ending - path) : strlen(path));
@@ -63,13 +49,13 @@ static PetscErrorCode ReadOutput(const MpmSettings *settings, MpmRequest *reques
 }
 
 /* The ending says in which format a matrix is written; blocks are arrays by name, which only some formats have. */
-static PetscErrorCode ReadWritten(const MpmSettings *settings, const char task[], const char name[], char path[])
+static PetscErrorCode CheckEnding(const MpmSettings *settings, const char name[], const char path[])
 {
+  const char *endings = MpmOptions[MpmOptionIndex(name)].endings;
 
   PetscFunctionBegin;
-  PetscCall(ReadPath(settings, task, name, path));
-  MpmSettingsRefuseIf(path[0] && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex(name)].endings), settings, name,
-                      "allowed: a name that ends in %s", MpmOptions[MpmOptionIndex(name)].endings);
+  MpmSettingsRefuseIf(path[0] && !MpmFileHasEnding(path, endings), settings, name, "allowed: a name that ends in %s",
+                      endings);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -139,15 +125,9 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
   PetscInt          n            = 0;
 
   PetscFunctionBegin;
-  PetscCall(ReadOutput(settings, request));
-  PetscCall(ReadPath(settings, task, "json", request->json));
-  PetscCall(ReadPath(settings, task, "csv", request->csv));
-  PetscCall(ReadPath(settings, task, "checkpoint", request->checkpoint));
-  PetscCall(ReadPath(settings, task, "restart", request->restart));
-  PetscCall(ReadPath(settings, task, "matrix", request->matrix));
-  PetscCall(ReadPath(settings, task, "matrix_blocks", request->matrix_blocks));
-  PetscCall(ReadWritten(settings, task, "write_matrix", request->write_matrix));
-  PetscCall(ReadWritten(settings, task, "write_blocks", request->write_blocks));
+  PetscCall(CheckOutput(settings, request));
+  PetscCall(CheckEnding(settings, "write_matrix", request->write_matrix));
+  PetscCall(CheckEnding(settings, "write_blocks", request->write_blocks));
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
     if (!IsUsed(settings, task, i, MPM_FILE_WRITTEN)) continue;
     names[n]   = MpmOptions[i].name;

@@ -4,8 +4,6 @@
 #include <mpmstab/errors.h>
 #include <string.h>
 
-#define LONGEST 1024 /* characters; a longer text is refused */
-
 const char *const MpmProbeNames[] = {"bloch", "coloured", "matrix_free", NULL};
 
 /* The options that name one. Each option's tasks are those that read it. */
@@ -69,30 +67,12 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadText(const MpmSettings *settings, const char task[], const char name[], char text[])
-{
-  const char *given = MpmSettingsText(settings, name);
-
-  PetscFunctionBegin;
-  if (!given || !MpmFieldIsOf(&MpmOptions[MpmOptionIndex(name)], task)) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmSettingsRefuseIf(!given[0], settings, name, "allowed: a text that is not empty");
-  MpmSettingsRefuseIf(strlen(given) >= LONGEST, settings, name, "allowed: a shorter text");
-  (void)snprintf(text, LONGEST, "%s", given);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *request)
 {
-  const char *task = request->task;
-  PetscInt    kind = MPM_PROBE_ANY;
+  const char *const task = request->task;
+  PetscInt          kind = MPM_PROBE_ANY;
 
   PetscFunctionBegin;
-  PetscCall(ReadText(settings, task, "program", request->program));
-  PetscCall(ReadText(settings, task, "plugin", request->plugin));
-  PetscCall(ReadText(settings, task, "program_set", request->program_set));
-  PetscCall(ReadText(settings, task, "program_dt", request->program_dt));
-  PetscCall(ReadText(settings, task, "at", request->at));
-  PetscCall(ReadText(settings, task, "compare", request->compare));
   MpmSettingsRefuseIf(request->program_dt[0] && strcmp(task, "critical") && !request->compare[0], settings,
                       "program_dt", "allowed: with task critical, or with compare");
   MpmSettingsRefuseIf(request->compare[0] && request->at[0], settings, "compare",

@@ -486,22 +486,34 @@ PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+#define LONGEST 1024 /* characters of a name of a file, or of another text */
+
 PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path)
 {
+  const PetscInt i    = MpmOptionIndex(name);
+  const char    *what = MpmOptions[i].file == MPM_FILE_NONE ? "text" : "name";
+
   PetscFunctionBegin;
-  *path = settings->text[MpmOptionIndex(name)];
-  MpmSettingsRefuseIf(*path && !**path, settings, name, "allowed: the name of a file");
+  *path = settings->text[i];
+  MpmSettingsRefuseIf(*path && !**path, settings, name, "allowed: %s",
+                      *what == 't' ? "a text that is not empty" : "the name of a file");
+  MpmSettingsRefuseIf(*path && strlen(*path) >= LONGEST, settings, name, "allowed: a shorter %s", what);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Reads the values of an option into the places where they are kept. */
 static PetscErrorCode ReadField(const MpmSettings *settings, const MpmField *field, PetscInt dim, char *place)
 {
-  PetscInt64 whole[MPM_MAX_DIM];
-  PetscInt   word;
+  PetscInt64  whole[MPM_MAX_DIM];
+  PetscInt    word;
+  const char *text;
 
   PetscFunctionBegin;
   switch (field->value) {
+  case MPM_AS_TEXT:
+    PetscCall(MpmSettingsPath(settings, field->name, &text));
+    (void)snprintf(place, LONGEST, "%s", text);
+    break;
   case MPM_AS_COUNT:
     PetscCall(MpmSettingsIntegers(settings, field->name, dim, whole));
     for (PetscInt a = 0; a < dim; a++) *(PetscInt *)(void *)(place + (size_t)a * field->each) = (PetscInt)whole[a];
@@ -538,6 +550,7 @@ PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner
     const MpmField *field = &MpmOptions[i];
 
     if (field->value == MPM_NO_VALUE || field->by_hand || field->owner != owner || !settings->text[i]) continue;
+    if (field->value == MPM_AS_TEXT && !MpmFieldIsOf(field, ((const MpmRequest *)object)->task)) continue;
     PetscCall(ReadField(settings, field, field->each ? *dim : 1, (char *)object + field->at));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

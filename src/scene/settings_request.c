@@ -281,21 +281,16 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
 /* ---- files ---- */
 
 /* The file with the eigenmode that a run starts from; the tasks that do not march leave initial data alone. */
-static PetscErrorCode ReadModeFile(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+static PetscErrorCode CheckModeFile(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
 {
   const PetscBool wanted = scene->initial == MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
-  const char     *path;
 
   PetscFunctionBegin;
   if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(!wanted || MpmSettingsGiven(settings, "mode_file"),
+  MpmCheckInput(!wanted || request->mode_file[0],
                 "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
-  if (!MpmSettingsGiven(settings, "mode_file")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!wanted)
+  if (!wanted && request->mode_file[0])
     PetscCall(MpmSettingsRefuseUnless(settings, "mode_file", "initial", "allowed: only with initial eigenmode"));
-  PetscCall(MpmSettingsPath(settings, "mode_file", &path));
-  MpmSettingsRefuseIf(strlen(path) >= sizeof request->mode_file, settings, "mode_file", "allowed: a shorter name");
-  (void)snprintf(request->mode_file, sizeof request->mode_file, "%s", path);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -318,7 +313,7 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *s
   PetscBool progress;
 
   PetscFunctionBegin;
-  if (scene) PetscCall(ReadModeFile(settings, scene, request));
+  if (scene) PetscCall(CheckModeFile(settings, scene, request));
   PetscCall(MpmSettingsReadFiles(settings, request));
   PetscCall(CheckEvery(settings, "output_every", "output", request->output, request, &request->output_every));
   PetscCall(
@@ -333,6 +328,9 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *s
 }
 
 /* ---- what must come out ---- */
+
+const char *const MpmExpectOptions[MPM_EXPECTED] = {"expect_growth", "expect_spectrum", "expect_error",
+                                                    "expect_energy", "expect_critical", "expect_share"};
 
 /* A scene's verdict may be that of a run; critical has none for a time step that was not given. */
 static PetscErrorCode CheckVerdictAsked(const MpmSettings *settings, const MpmScene *scene, const char task[],
@@ -350,20 +348,15 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
                                  MpmExpect *expect)
 {
   PetscFunctionBegin;
-  expect->has_verdict  = MpmSettingsGiven(settings, "expect");
-  expect->has_kind     = MpmSettingsGiven(settings, "expect_kind");
-  expect->has_growth   = MpmSettingsGiven(settings, "expect_growth");
-  expect->has_spectrum = MpmSettingsGiven(settings, "expect_spectrum");
-  expect->has_error    = MpmSettingsGiven(settings, "expect_error");
-  expect->has_energy   = MpmSettingsGiven(settings, "expect_energy");
-  expect->has_critical = MpmSettingsGiven(settings, "expect_critical");
-  expect->has_share    = MpmSettingsGiven(settings, "expect_share");
+  expect->has_verdict = MpmSettingsGiven(settings, "expect");
+  expect->has_kind    = MpmSettingsGiven(settings, "expect_kind");
+  for (MpmExpected e = 0; e < MPM_EXPECTED; e++) expect->has[e] = MpmSettingsGiven(settings, MpmExpectOptions[e]);
   if (expect->has_verdict && scene) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
-  if (expect->has_error && scene && !MpmSceneHasExact(scene)) {
+  if (expect->has[MPM_EXPECT_ERROR] && scene && !MpmSceneHasExact(scene)) {
     PetscCall(MpmSettingsRefuseUnless(
         settings, "expect_error", "initial,boundary",
         "there is no exact solution; allowed: with initial mode, pulse or step in a full domain"));
-    expect->has_error = PETSC_FALSE;
+    expect->has[MPM_EXPECT_ERROR] = PETSC_FALSE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

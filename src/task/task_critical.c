@@ -16,8 +16,8 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
   MpmCritical       found, *bulk = request->neighbourhood[MPM_IN_BULK] ? &found : NULL;
 
   PetscFunctionBegin;
-  expect.has_spectrum = PETSC_FALSE; /* it is about the waves on the scene's grid */
-  of.all_particles    = !request->nodal;
+  expect.has[MPM_EXPECT_SPECTRUM] = PETSC_FALSE; /* it is about the waves on the scene's grid */
+  of.all_particles                = !request->nodal;
   if (bulk) {
     PetscCall(MpmCriticalFind(&of, PETSC_FALSE, bulk));
     place = MpmNeighbourhoodOfCritical(bulk);
@@ -26,7 +26,7 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
   if (request->csv[0] && bulk) PetscCall(MpmCriticalWriteCsv(request->csv, scene, bulk));
   PetscCall(MpmCriticalReport(scene, request, bulk, all, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, all ? &all->finding : &bulk->asked, missed));
-  PetscCall(MpmExpectCritical(&expect, all ? all->courant : bulk->courant, missed));
+  PetscCall(MpmExpectNumber(&expect, MPM_EXPECT_CRITICAL, all ? all->courant : bulk->courant, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -38,12 +38,13 @@ static PetscErrorCode AtMach(const MpmScene *scene, const MpmRequest *request, P
   MpmCriticalMach       found;
 
   PetscFunctionBegin;
-  expect.has_spectrum = PETSC_FALSE; /* it is about the waves on the scene's grid */
+  expect.has[MPM_EXPECT_SPECTRUM] = PETSC_FALSE; /* it is about the waves on the scene's grid */
   PetscCall(MpmCriticalMachCreate(&of, &request->mach, &found));
   if (request->csv[0]) PetscCall(MpmCriticalMachWriteCsv(scene, request, &found));
   PetscCall(MpmCriticalMachReport(scene, request, &found, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, &found.asked, missed));
-  PetscCall(MpmExpectCritical(&expect, found.stable ? found.points[found.stable - 1].courant : NAN, missed));
+  PetscCall(MpmExpectNumber(&expect, MPM_EXPECT_CRITICAL, found.stable ? found.points[found.stable - 1].courant : NAN,
+                            missed));
   PetscCall(MpmCriticalMachDestroy(&found));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -64,7 +65,7 @@ static PetscErrorCode OfProgram(const MpmRequest *request, PetscReal started, Pe
   PetscCall(MpmCriticalProgramFind(&program, started, &critical));
   PetscCall(MpmCriticalProgramReport(&program, &critical, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&request->expect, &critical.finding, missed));
-  PetscCall(MpmExpectCritical(&request->expect, critical.critical, missed));
+  PetscCall(MpmExpectNumber(&request->expect, MPM_EXPECT_CRITICAL, critical.critical, missed));
   PetscCall(MpmProgramClose(&program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -9,12 +9,12 @@ PetscErrorCode MpmTaskEnsemble(const MpmScene *scene, const MpmRequest *request,
   MpmEnsemble *ensemble;
 
   PetscFunctionBegin;
-  expect.has_spectrum = PETSC_FALSE; /* it is about one layout */
+  expect.has[MPM_EXPECT_SPECTRUM] = PETSC_FALSE; /* it is about one layout */
   PetscCall(MpmEnsembleCreate(scene, request, &ensemble));
   if (request->csv[0]) PetscCall(MpmEnsembleWriteCsv(ensemble));
   PetscCall(MpmEnsembleReport(ensemble, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, &ensemble->finding, missed));
-  PetscCall(MpmExpectShare(&expect, ensemble->share, missed));
+  PetscCall(MpmExpectNumber(&expect, MPM_EXPECT_SHARE, ensemble->share, missed));
   PetscCall(MpmEnsembleDestroy(&ensemble));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -11,7 +11,7 @@ PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, Pets
   MpmStabilityMap *map;
 
   PetscFunctionBegin;
-  expect.has_spectrum = PETSC_FALSE; /* it is about one point */
+  expect.has[MPM_EXPECT_SPECTRUM] = PETSC_FALSE; /* it is about one point */
   if (scene)
     PetscCall(MpmStabilityMapCreate(scene, request, &map));
   else {

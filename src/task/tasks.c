@@ -83,7 +83,7 @@ void MpmPrintVersion(void)
 static void PrintOptions(const char task[], PetscBool own)
 {
   for (const MpmField *o = MpmOptions; o->name; o++)
-    if (own ? o->tasks && strstr(o->tasks, task) : !o->tasks)
+    if (own ? o->tasks && MpmFieldIsOf(o, task) : !o->tasks)
       MpmPrint("  -%-17s %-11s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
 }
 
