@@ -1,6 +1,7 @@
 /* A sparse matrix on its way between the first rank, which has the file, and all ranks. */
 #include "base/memory.h"
 #include "io/matrix_csr.h"
+#include "linalg/dense.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 
@@ -80,13 +81,10 @@ PetscErrorCode MpmCsrGather(Mat A, PetscInt exponent, MpmCsr *c)
   const PetscMPIInt rank = MpmRankOf(PetscObjectComm((PetscObject)A));
   PetscInt          rows;
   PetscBool         done;
-  IS                all;
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(A, &c->order, NULL));
-  PetscCall(ISCreateStride(PETSC_COMM_SELF, rank ? 0 : c->order, 0, 1, &all));
-  PetscCall(MatCreateSubMatrices(A, 1, &all, &all, MAT_INITIAL_MATRIX, &c->whole));
-  PetscCall(ISDestroy(&all));
+  PetscCall(MpmDenseWhole(A, rank ? PETSC_FALSE : PETSC_TRUE, &c->whole));
   PetscCall(MatGetRowIJ(*c->whole, 0, PETSC_FALSE, PETSC_FALSE, &rows, &c->begin, &c->column, &done));
   PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "a matrix without rows");
   PetscCall(MatSeqAIJGetArray(*c->whole, &c->value));

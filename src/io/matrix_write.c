@@ -1,4 +1,5 @@
 /* Writes a matrix in the format that the ending of the file's name says. */
+#include "base/file_names.h"
 #include "base/textfile.h"
 #include "io/datafile.h"
 #include "io/matrix_file.h"
@@ -7,18 +8,6 @@
 #include <string.h>
 
 #define LARGEST_NPZ 4e9 /* bytes of a zip archive without extensions */
-
-static PetscBool Ends(const char path[], const char ending[])
-{
-  const size_t n = strlen(path), m = strlen(ending);
-
-  return n > m && !strcmp(path + n - m, ending) ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static PetscBool IsHdf5(const char path[])
-{
-  return Ends(path, ".h5") || Ends(path, ".hdf5") ? PETSC_TRUE : PETSC_FALSE;
-}
 
 static PetscErrorCode WriteHdf5(const char path[], const MpmCsr *c, PetscInt steps)
 {
@@ -74,7 +63,7 @@ static PetscErrorCode Check(const char path[], const MpmCsr *c)
   PetscFunctionBegin;
   if (MpmRankOf(PETSC_COMM_WORLD) == 0) {
     for (PetscInt k = 0; k < c->begin[c->order] && !bad; k++) bad = !isfinite(c->value[k]);
-    if (Ends(path, ".npz") && 16.0 * c->begin[c->order] + 8.0 * c->order > LARGEST_NPZ) bad = 2;
+    if (MpmFileHasEnding(path, ".npz") && 16.0 * c->begin[c->order] + 8.0 * c->order > LARGEST_NPZ) bad = 2;
   }
   PetscCallMPI(MPI_Bcast(&bad, 1, MPI_INT, 0, PETSC_COMM_WORLD));
   MpmCheckInput(bad != 1,
@@ -89,16 +78,16 @@ PetscErrorCode MpmMatrixWrite(const char path[], Mat A, PetscInt exponent, Petsc
   MpmTextFile file;
 
   PetscFunctionBegin;
-  *kept = Ends(path, ".petsc") && steps > 1 ? PETSC_FALSE : PETSC_TRUE;
+  *kept = MpmFileHasEnding(path, ".petsc") && steps > 1 ? PETSC_FALSE : PETSC_TRUE;
   PetscCall(MpmCsrGather(A, exponent, &csr));
   PetscCall(Check(path, &csr));
-  if (IsHdf5(path))
+  if (MpmFileHasEnding(path, ".h5 .hdf5"))
     PetscCall(WriteHdf5(path, &csr, steps));
   else {
     PetscCall(MpmTextFileOpen(path, &file));
-    if (file.stream && Ends(path, ".npz"))
+    if (file.stream && MpmFileHasEnding(path, ".npz"))
       PetscCall(WriteNpz(&csr, steps, file.stream));
-    else if (file.stream && Ends(path, ".mtx"))
+    else if (file.stream && MpmFileHasEnding(path, ".mtx"))
       MpmMatrixWriteText(&csr, steps, file.stream);
     else if (file.stream)
       MpmMatrixWritePetsc(&csr, file.stream);

@@ -11,17 +11,29 @@ extern void DSYEVD(const char *jobz, const char *uplo, const PetscBLASInt *n, do
 
 #define DOUBTFUL 1e-11 /* eigenvalues of a product with the transpose below this, relatively, may be 0 */
 
-PetscErrorCode MpmDenseCopy(Mat matrix, PetscReal values[])
+PetscErrorCode MpmDenseWhole(Mat matrix, PetscBool here, Mat **whole)
 {
   PetscInt rows, columns;
-  Mat     *whole;
   IS       all_rows, all_columns;
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(matrix, &rows, &columns));
-  PetscCall(ISCreateStride(PETSC_COMM_SELF, rows, 0, 1, &all_rows));
-  PetscCall(ISCreateStride(PETSC_COMM_SELF, columns, 0, 1, &all_columns));
-  PetscCall(MatCreateSubMatrices(matrix, 1, &all_rows, &all_columns, MAT_INITIAL_MATRIX, &whole));
+  PetscCall(ISCreateStride(PETSC_COMM_SELF, here ? rows : 0, 0, 1, &all_rows));
+  PetscCall(ISCreateStride(PETSC_COMM_SELF, here ? columns : 0, 0, 1, &all_columns));
+  PetscCall(MatCreateSubMatrices(matrix, 1, &all_rows, &all_columns, MAT_INITIAL_MATRIX, whole));
+  PetscCall(ISDestroy(&all_rows));
+  PetscCall(ISDestroy(&all_columns));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmDenseCopy(Mat matrix, PetscReal values[])
+{
+  PetscInt rows, columns;
+  Mat     *whole;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetSize(matrix, &rows, &columns));
+  PetscCall(MpmDenseWhole(matrix, PETSC_TRUE, &whole));
   PetscCall(PetscArrayzero(values, (size_t)rows * columns));
   for (PetscInt i = 0; i < rows; i++) {
     const PetscInt    *where;
@@ -33,8 +45,6 @@ PetscErrorCode MpmDenseCopy(Mat matrix, PetscReal values[])
     PetscCall(MatRestoreRow(whole[0], i, &count, &where, &row));
   }
   PetscCall(MatDestroySubMatrices(1, &whole));
-  PetscCall(ISDestroy(&all_rows));
-  PetscCall(ISDestroy(&all_columns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -168,13 +178,10 @@ PetscErrorCode MpmDenseNullity(Mat matrix, PetscReal tolerance, PetscInt *nullit
 {
   PetscInt rows, columns, missing;
   Mat     *whole, tall;
-  IS       all_rows, all_columns;
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(matrix, &rows, &columns));
-  PetscCall(ISCreateStride(PETSC_COMM_SELF, rows, 0, 1, &all_rows));
-  PetscCall(ISCreateStride(PETSC_COMM_SELF, columns, 0, 1, &all_columns));
-  PetscCall(MatCreateSubMatrices(matrix, 1, &all_rows, &all_columns, MAT_INITIAL_MATRIX, &whole));
+  PetscCall(MpmDenseWhole(matrix, PETSC_TRUE, &whole));
   if (rows < columns)
     PetscCall(MatTranspose(whole[0], MAT_INITIAL_MATRIX, &tall));
   else {
@@ -186,7 +193,5 @@ PetscErrorCode MpmDenseNullity(Mat matrix, PetscReal tolerance, PetscInt *nullit
   PetscCallMPI(MPI_Bcast(nullity, 1, MPIU_INT, 0, PetscObjectComm((PetscObject)matrix)));
   PetscCall(MatDestroy(&tall));
   PetscCall(MatDestroySubMatrices(1, &whole));
-  PetscCall(ISDestroy(&all_rows));
-  PetscCall(ISDestroy(&all_columns));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

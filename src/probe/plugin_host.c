@@ -86,8 +86,7 @@ static void TakeSize(Host *h, const char line[])
 
   h->particles = (size_t)json_integer_value(json_object_get(description, "particles"));
   h->width     = 0;
-  json_array_foreach(json_object_get(description, "fields"), f, field)
-  {
+  json_array_foreach (json_object_get(description, "fields"), f, field) {
     h->width += (size_t)json_integer_value(json_object_get(field, "size"));
   }
   json_decref(description);

@@ -1,5 +1,5 @@
 /* Certificates and scales of an operator that was probed, by mpmstab or by the hook. */
-#include "report/report_certificates.h"
+#include "report/report_program.h"
 #include <math.h>
 #include <string.h>
 

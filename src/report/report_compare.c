@@ -1,5 +1,5 @@
 /* The comparison of a code with a scheme of our own. */
-#include "report/report_compare.h"
+#include "report/report_program.h"
 #include <math.h>
 
 #define ROWS 12 /* of the table; JSON has all */

@@ -1,10 +1,15 @@
-/* What the reports of tasks on a code that was probed share. */
+/* The reports of codes that are probed. */
 #pragma once
+#include "probe/compare_program.h"
 #include "probe/critical_program.h"
-#include "report/report_certificates.h"
+#include "report/report.h"
 
-/* Collective. Prints the code, how it is probed and why, and what that costs, before the work. */
+/* Collective. Print the code, how it is probed and why, and what that costs; and what a search for limits costs: before the work. */
 void MpmReportProgram(const MpmProgram *program);
+void MpmReportCriticalPlan(const MpmCriticalProgram *critical);
+
+/* Collective. The certificates that were taken, what fails where one does not hold, and the scales of fields. */
+void MpmReportCertificates(json_t *result, const MpmCertificates *certificates);
 
 /*
    Collective. The code, how it was probed, its certificates, which particles show most what fails, and which unknowns are set
@@ -15,7 +20,9 @@ void MpmReportProbed(json_t *result, const MpmProgram *program);
 /* Collective. The particles that carry a mode, with their places, as 'carriers'. */
 void MpmReportCarriers(json_t *result, const MpmCarriers *carriers);
 
-/* Collective. Print what the search for the limits of the time step will cost; report the limits. */
-void           MpmReportCriticalPlan(const MpmCriticalProgram *critical);
+/* Collective. Beside a scheme of our own: what goes with what, where the two differ, and whether they are the same. */
+void MpmReportCompare(json_t *result, const MpmProgram *program, const MpmCompareProgram *compare);
+
+/* Collective. The limits of the time step: the whole report. */
 PetscErrorCode MpmCriticalProgramReport(const MpmProgram *program, const MpmCriticalProgram *critical,
                                         PetscReal wall_s);

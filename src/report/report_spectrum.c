@@ -1,5 +1,5 @@
 /* The report of the task spectrum. */
-#include "report/report_certificates.h"
+#include "report/report_program.h"
 #include "report/results.h"
 #include <math.h>
 

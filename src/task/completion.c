@@ -1,6 +1,5 @@
 /* Completion in a shell: tasks, options of the task, words of an option, files. */
 #include "scene/fields.h"
-#include "task/manuals.h"
 #include "task/task.h"
 #include <string.h>
 

@@ -1,6 +1,5 @@
 /* The man page, from the lists of tasks and options. Source of the macros: man(7). */
 #include "scene/fields.h"
-#include "task/manuals.h"
 #include "task/task.h"
 #include <string.h>
 

@@ -3,7 +3,7 @@
    and what they mean.
 */
 #include "scene/fields.h"
-#include "task/manuals.h"
+#include "task/task.h"
 #include <jansson.h>
 #include <string.h>
 

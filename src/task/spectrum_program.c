@@ -2,11 +2,10 @@
    The task spectrum for a code that is probed: the operator of its base state, or those of the states to which it comes
    by itself. Files and expectations are about the state that grows most.
 */
-#include "task/spectrum_program.h"
+#include "task/task.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "probe/program_growth.h"
-#include "report/report_compare.h"
 #include "report/report_program.h"
 #include "report/results.h"
 #include "task/expect.h"

@@ -1,9 +1,8 @@
 /* The task symbol for blocks from a file, or of a code that is probed: growth at equally spaced phases, and between them where it is largest. */
-#include "task/symbol_blocks.h"
+#include "task/task.h"
 #include "analysis/worst_phase.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
-#include "report/report_compare.h"
 #include "report/report_program.h"
 #include "task/expect.h"
 #include <mpmstab/errors.h>

@@ -46,3 +46,17 @@ PetscErrorCode MpmTaskSymbol(const MpmScene *scene, const MpmRequest *request, P
 PetscErrorCode MpmTaskCritical(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
 PetscErrorCode MpmTaskEnsemble(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
 PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
+
+/* Collective. The same for a code that is probed, and for the blocks of a lattice, in the place of a scene. */
+PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started, PetscInt *missed);
+PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, PetscInt *missed);
+
+/*
+   What is installed beside the program, made from its list of options: a JSON schema of scene files, for editors; completions
+   for bash or zsh; the man page, in the language of man(7).
+
+   Collective: the first rank prints.
+*/
+PetscErrorCode MpmPrintSchema(void);
+void           MpmPrintCompletion(PetscBool zsh);
+void           MpmPrintManual(void);

@@ -3,9 +3,8 @@
 #include "report/report.h"
 #include "scene/fields.h"
 #include "scheme/language.h"
-#include "task/codes.h"
-#include "task/manuals.h"
 #include "task/task.h"
+#include <jansson.h>
 #include <math.h>
 #include <slepcsys.h>
 #include <stdlib.h>
@@ -147,21 +146,36 @@ static PetscErrorCode ListVersions(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A file is named once for the options that were read in it. */
+extern const char MpmCodesText[]; /* codes.json */
+
+/*
+   Each line of an option says what was read in the file that it names, at the commit of its code; what was not read is not
+   there. A file is named once for the options that were read in it.
+*/
 static PetscErrorCode ListCodes(void)
 {
-  PetscFunctionBegin;
-  for (const MpmCode *code = MpmCodes; code->name; code++) {
-    const char *file = "";
+  json_t *codes = json_loads(MpmCodesText, 0, NULL), *code, *options, *option;
+  size_t  c, o;
 
-    MpmPrint("  %s: %s, commit %s\n", code->name, code->repository, code->version);
-    for (const MpmCodeOption *o = code->options; o->option; o++) {
-      if (strcmp(file, o->file)) MpmPrint("    %s\n", o->file);
-      file = o->file;
-      MpmPrint("      %-44s %s\n", o->option, o->here);
+  PetscFunctionBegin;
+  PetscCheck(codes, PETSC_COMM_SELF, PETSC_ERR_PLIB, "codes.json is not JSON");
+  json_array_foreach (codes, c, code) {
+    const char *name, *repository, *version, *said, *here, *file, *before = "", *scheme = NULL, *limit = "";
+
+    PetscCheck(!json_unpack(code, "{s:s, s:s, s:s, s:o, s?s, s?s}", "name", &name, "repository", &repository, "version",
+                            &version, "options", &options, "scheme", &scheme, "limit", &limit),
+               PETSC_COMM_SELF, PETSC_ERR_PLIB, "codes.json: code %zu", c);
+    MpmPrint("  %s: %s, commit %s\n", name, repository, version);
+    json_array_foreach (options, o, option) {
+      PetscCheck(!json_unpack(option, "[s, s, s]", &said, &here, &file), PETSC_COMM_SELF, PETSC_ERR_PLIB,
+                 "codes.json: %s, option %zu", name, o);
+      if (strcmp(before, file)) MpmPrint("    %s\n", file);
+      before = file;
+      MpmPrint("      %-44s %s\n", said, here);
     }
-    if (code->scheme) MpmPrint("    limit %s: mpmstab critical %s\n", code->limit, code->scheme);
+    if (scheme) MpmPrint("    limit %s: mpmstab critical %s\n", limit, scheme);
   }
+  json_decref(codes);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

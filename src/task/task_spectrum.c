@@ -6,7 +6,6 @@
 #include "io/spectrum_files.h"
 #include "linalg/eigen.h"
 #include "report/results.h"
-#include "task/spectrum_program.h"
 #include "task/task.h"
 #include <mpmstab/errors.h>
 #include <math.h>

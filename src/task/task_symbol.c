@@ -4,7 +4,6 @@
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
 #include "analysis/refined.h"
-#include "task/symbol_blocks.h"
 #include "task/task.h"
 #include <math.h>
 
