@@ -21,8 +21,7 @@ void MpmReportQuiet(json_t *result, const MpmCritical *c)
                  c->quiet);
   if (isinf(c->quiet)) MpmResultPut(result, "quiet", json_string("no limit"));
   if (c->no_theorem)
-    MpmResultSay(result,
-                 "  may ring     the theorem of docs/theory.md, section 12, does not hold: %s{no_theorem}\n",
+    MpmResultSay(result, "  may ring     the theorem of docs/theory.md, section 12, does not hold: %s{no_theorem}\n",
                  c->no_theorem);
   if (c->cure)
     MpmResultSay(result,

@@ -112,8 +112,8 @@ PetscErrorCode MpmPrintHelp(const char name[])
                 near ? near : "", near ? "?" : "");
   MpmPrint("mpmstab %s: %s\n  for example: mpmstab %s\n", task->name, task->summary, task->example);
   if (!strcmp(task->name, "list")) {
-    MpmPrint(
-        "  mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|scope|codes]\n");
+    MpmPrint("  mpmstab list [formulation [NAME]|basis|transfer [NAME "
+             "[NUMBER]]|boundary|layout|options|versions|scope|codes]\n");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   MpmPrint("options of this task: name, default, meaning\n");
