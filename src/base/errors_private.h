@@ -41,8 +41,8 @@ int MpmErrorsStatus(PetscErrorCode error);
 void MpmErrorsEnd(int status);
 
 /*
-   MpmPrintHold - keeps what is printed in memory until MpmPrintRelease prints it. What has not been released when the program
-   ends is lost: a task that is refused has printed nothing. MpmPrintArguments - prints as MpmPrint does.
+   MpmPrintHold - keeps what is printed in memory until MpmPrintRelease prints it. What has not been released when the
+   program ends is lost: a task that is refused has printed nothing. MpmPrintArguments - prints as MpmPrint does.
 
    Not collective.
 */

@@ -7,8 +7,8 @@
 #define MPM_MATRIX_ENTRIES 3e8 /* the most that a file may have */
 
 /*S
-   MpmEntries - the entries of a matrix that is read, in any order, with room for those of a diagonal; entries of one place are
-   added. Rows and columns count from 0. steps: that the matrix covers; 0: the file does not say. hooked: what the hook says of it.
+   MpmEntries - the entries of a matrix that is read, in any order, with room for a diagonal; those of one place are added.
+   Rows and columns count from 0. steps: that the matrix covers; 0: the file does not say. hooked: what the hook says of it.
 S*/
 typedef struct {
   PetscInt64 rows, columns, n, steps;
@@ -18,8 +18,8 @@ typedef struct {
 } MpmEntries;
 
 /*S
-   MpmCsr - a square matrix row by row: those of row i are begin[i] to begin[i + 1], by their columns. Other ranks than the
-   first have no rows.
+   MpmCsr - a square matrix row by row: those of row i are begin[i] to begin[i + 1], by their columns. The first rank has
+   all rows, the others none.
 S*/
 typedef struct {
   Mat            *whole;
@@ -40,7 +40,7 @@ void MpmEntriesToScales(MpmEntries *entries);
 
 PetscErrorCode MpmEntriesFree(MpmEntries *entries);
 
-/* Collective. The matrix of the first rank's entries. Each row has one on the diagonal, if only a 0: solvers shift the matrix. */
+/* Collective. The matrix of the first rank's entries. Each row has one on the diagonal, if only a 0, for solvers. */
 PetscErrorCode MpmMatrixOfEntries(MPI_Comm comm, MpmEntries *entries, Mat *A);
 
 /* Collective. Brings the rows of an AIJ matrix, times 2^exponent, to the first rank. */

@@ -3,7 +3,7 @@
 #include <mpmstab/compat.h>
 #include <petscmat.h>
 
-/* Collective. A copy of a parallel matrix, to be freed with MatDestroySubMatrices; with 0 rows on ranks that do not want it. */
+/* Collective. A whole copy, to be freed with MatDestroySubMatrices; without rows on ranks where it is not wanted. */
 PetscErrorCode MpmDenseWhole(Mat matrix, PetscBool here, Mat **whole);
 
 /* Collective. Copies a parallel matrix to every rank, column by column. values has room for rows x columns numbers. */

@@ -5,9 +5,9 @@
 #include <mpmstab/critical.h>
 
 /*
-   MpmResultOfScene, MpmResultOfFile - begin a report: they make a tree with version, task, and scheme and grid or the file or
-   code that takes the place of a scene, and print the same in a few lines. what: a matrix, or blocks of a lattice; NULL: its line
-   has been printed, by MpmReportFile. What is printed from here on is held until MpmResultEnd.
+   MpmResultOfScene, MpmResultOfFile - begin a report: a tree with version, task, and scheme and grid or the file or code
+   in place of a scene, which they also print in a few lines. what: a matrix, or blocks of a lattice; NULL: its line has
+   been printed, by MpmReportFile. What is printed from here on is held until MpmResultEnd.
 
    Collective.
 */
@@ -42,9 +42,9 @@ PetscErrorCode MpmReportUnits(const MpmScene *scene, const MpmRequest *request);
 void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth, PetscBool windows);
 
 /*
-   Keeps windows of growth and how many Courant numbers were looked at, and prints those below a limit, each in a line that
-   begins with so many blanks. Nothing where windows were not looked for; nothing is printed where there is no limit above them
-   (0 or undecided).
+   Keeps windows of growth and how many Courant numbers were looked at, and prints those below a limit, each in a line
+   that begins with so many blanks. Nothing where windows were not looked for; nothing is printed where there is no limit
+   above them (0 or undecided).
 */
 void MpmReportWindows(json_t *result, PetscInt blanks, PetscReal courant, const MpmCriticalWindows *windows);
 

@@ -4,7 +4,7 @@
 #include "probe/critical_program.h"
 #include "report/report.h"
 
-/* Collective. Print the code, how it is probed and why, and what that costs; and what a search for limits costs: before the work. */
+/* Collective. Before the work: print the code, how it is probed, why, and what that costs; what a search costs. */
 void MpmReportProgram(const MpmProgram *program);
 void MpmReportCriticalPlan(const MpmCriticalProgram *critical);
 
@@ -12,8 +12,8 @@ void MpmReportCriticalPlan(const MpmCriticalProgram *critical);
 void MpmReportCertificates(json_t *result, const MpmCertificates *certificates);
 
 /*
-   Collective. The code, how it was probed, its certificates, which particles show most what fails, and which unknowns are set
-   apart, as 'probing'.
+   Collective. The code, how it was probed, its certificates, which particles show most what fails, and which unknowns
+   are set apart, as 'probing'.
 */
 void MpmReportProbed(json_t *result, const MpmProgram *program);
 

@@ -14,7 +14,7 @@
 /*
    MpmResultSay - prints as MpmPrint does, and keeps those values that have a name. MpmResultKeep only keeps them.
 
-   Not collective; the first rank prints. A format has d, c, s, e, f and g of printf, without '*'. Behind a value may stand
+   Not collective; the first rank prints. Formats have d, c, s, e, f and g of printf, without '*'. Behind a value stands
 
      {name}    its name in the tree; {a.b}: inside the object a, which is made if there is none
      {name!}   a number that is not finite is kept as null; else it is not kept, since JSON has none
@@ -24,10 +24,10 @@ void MpmResultSay(json_t *result, const char format[], ...) __attribute__((forma
 void MpmResultKeep(json_t *result, const char format[], ...) __attribute__((format(printf, 2, 3)));
 
 /*
-   MpmResultPut - keeps a value of any kind, and takes it over. MpmResultIn - the object of a name in the tree. MpmResultNext -
-   a new object at the end of the list of a name. Objects and lists are made if there are none, all but the list by MpmResultList.
-   MpmResultNumbers - keeps a list of numbers, with null for one that is not finite. MpmResultVector - keeps a number of each
-   direction as a list, or the number itself where there is one direction.
+   MpmResultPut - keeps a value of any kind, and takes it over. MpmResultIn, MpmResultList - the object, or the list, of a
+   name, which is made if there is none. MpmResultNext - a new object at the end of the list of a name. MpmResultNumbers -
+   keeps a list of numbers, with null for one that is not finite. MpmResultVector - does so, or keeps the number itself
+   where there is one direction.
 
    Not collective.
 */
@@ -39,8 +39,8 @@ void    MpmResultNumbers(json_t *result, const char name[], PetscInt n, const Pe
 void    MpmResultVector(json_t *result, const char name[], PetscInt n, const PetscReal values[]);
 
 /*
-   MpmResultEnd - writes the tree where the request asks for it, prints what was said since MpmResultOfScene or MpmResultOfFile
-   (report.h), and frees the tree. A tree that cannot be written is refused before anything is printed.
+   MpmResultEnd - writes the tree where the request asks for it, prints what was said since MpmResultOfScene or
+   MpmResultOfFile (report.h), and frees the tree. One that cannot be written is refused before anything is printed.
 
    Collective. wall_s: the time that the task has taken.
 */

@@ -28,8 +28,8 @@ PetscErrorCode MpmCriticalReport(const MpmScene *scene, const MpmRequest *reques
 void MpmReportQuiet(json_t *result, const MpmCritical *critical);
 
 /*
-   Collective. The part of a report on a spectrum that comes after its heading. spectrum: of the bulk, or NULL. all: of the
-   neighbourhoods, or NULL where there is the bulk alone.
+   Collective. The part of a report on a spectrum that comes after its heading. spectrum: of the bulk, or NULL. all: of
+   the neighbourhoods, or NULL where there is the bulk alone.
 */
 void MpmSpectrumReport(json_t *result, const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *spectrum,
                        const MpmNeighbourhoods *all);
@@ -53,8 +53,8 @@ void MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave, const Pe
                    char text[]);
 
 /*
-   Collective. CSV files with a row for each wave and time step, point, layout, scene, or Courant number; and HDF5 files: of a map,
-   and /symbol/damping_...
+   Collective. CSV files with a row for each wave and time step, point, layout, scene, or Courant number; HDF5 files of a
+   map, and of /symbol/damping_...
 */
 PetscErrorCode MpmDampingWriteCsv(const MpmDamping *damping, const char path[]);
 PetscErrorCode MpmDampingWrite(const MpmDamping *damping, MpmDataFile *file);

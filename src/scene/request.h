@@ -11,8 +11,8 @@
 #include <string.h>
 
 /*S
-   MpmExpect - what a scene says must come out; has_verdict, has_kind and has say which of these it says. Ranges of numbers are
-   lo, hi, in the order of MpmExpectOptions.
+   MpmExpect - what a scene says must come out; has_verdict, has_kind and has say which of these it says. Ranges of
+   numbers are lo, hi, in the order of MpmExpectOptions.
 S*/
 typedef enum {
   MPM_EXPECT_GROWTH,

@@ -18,7 +18,7 @@ typedef struct {
 /* What the value of a key is: a text; names with a rank, or a text, each; lines; names; or the keys of a transfer. */
 typedef enum { A_TEXT, RANKS, TEXTS, LINES, NAMES, TRANSFER } Kind;
 
-/* A key: where its texts are, and their number, in MpmWritten; the bytes from one to the next; how many there is room for. */
+/* A key: where in MpmWritten its texts are, and their number; the bytes from one to the next; how many fit. */
 typedef struct {
   const char *name;
   Kind        kind;

@@ -3,8 +3,8 @@
 #include "analysis/run.h"
 
 /*
-   Collective. Print each expectation that is missed and add to their number: of a run; of the verdict and growth of a computed
-   spectrum or symbol; of one number.
+   Collective. Print each expectation that is missed and add to their number: of a run; of the verdict and growth of a
+   computed spectrum or symbol; of one number.
 */
 PetscErrorCode MpmExpectRun(const MpmRun *run, PetscInt *missed);
 PetscErrorCode MpmExpectFinding(const MpmExpect *expect, const MpmFinding *finding, PetscInt *missed);

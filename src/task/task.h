@@ -52,8 +52,8 @@ PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started
 PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, PetscInt *missed);
 
 /*
-   What is installed beside the program, made from its list of options: a JSON schema of scene files, for editors; completions
-   for bash or zsh; the man page, in the language of man(7).
+   What is installed beside the program, made from its list of options: a JSON schema of scene files, for editors;
+   completions for bash or zsh; the man page, in the language of man(7).
 
    Collective: the first rank prints.
 */

@@ -149,8 +149,8 @@ static PetscErrorCode ListVersions(void)
 extern const char MpmCodesText[]; /* codes.json */
 
 /*
-   Each line of an option says what was read in the file that it names, at the commit of its code; what was not read is not
-   there. A file is named once for the options that were read in it.
+   Each line of an option says what was read in the file that it names, at the commit of its code; what was not read is
+   not there. A file is named once for the options that were read in it.
 */
 static PetscErrorCode ListCodes(void)
 {
