@@ -237,12 +237,13 @@ static inline double mpmstab_dt_eigenvalues(double A[3][3])
 
 /*
    The bound of a particle: the largest eigenvalue of C sym(. G), G = V_p sum_i g g^T / m, m its part of the mass of a node.
-   In the axes of G strains along them have the matrix 2 mu G + lambda sqrt(G) sqrt(G)^T, and a shear has mu (G_a + G_b).
+   In the axes of G strains along them have the matrix 2 mu G + lambda sqrt(G) sqrt(G)^T. A shear has mu (G_a + G_b), which
+   is no more: (sqrt(G_a), - sqrt(G_b)) has that much of the matrix if lambda >= - mu, as all solids have.
 */
 static inline double mpmstab_dt_bound(const mpmstab_dt_layout *at, long p, int lone)
 {
   const int           all     = (1 << at->dim) - 1;
-  double              G[3][3] = {{0}}, T[3][3] = {{0}}, shear = 0;
+  double              G[3][3] = {{0}}, T[3][3];
   mpmstab_dt_particle q;
   mpmstab_dt_find(at, p, &q);
   for (long j = 0; j < q.n; j++) {
@@ -256,11 +257,9 @@ static inline double mpmstab_dt_bound(const mpmstab_dt_layout *at, long p, int l
   }
   mpmstab_dt_eigenvalues(G);
   for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++) {
+    for (int b = 0; b < 3; b++)
       T[a][b] = q.lambda * sqrt(fmax(G[a][a], 0) * fmax(G[b][b], 0)) + (a == b ? 2 * q.mu * G[a][a] : 0);
-      if (a < b && b < at->dim) shear = fmax(shear, q.mu * (G[a][a] + G[b][b]));
-    }
-  return fmax(shear, mpmstab_dt_eigenvalues(T));
+  return mpmstab_dt_eigenvalues(T);
 }
 
 /* The largest own number of particles, at->particle: bounds (lone 2: walls left out), or with lone < 0 what they have. */

@@ -280,6 +280,25 @@ static void CheckChance(Layout *l)
   CHECK(sharp > many / 4, "only %d of %d certificates are within a factor of 4", sharp, many);
 }
 
+/* The random start: moments of normal numbers, and numbers of other seeds and unknowns are others. */
+static void CheckNormal(void)
+{
+  const long many      = 200000;
+  double     moment[5] = {0}, beside = 0;
+
+  for (long i = 0; i < many; i++) {
+    const double x = mpmstab_dt_normal(7, i);
+
+    for (int k = 1; k < 5; k++) moment[k] += pow(x, k) / (double)many;
+    beside += x * (mpmstab_dt_normal(7, i + 1) + mpmstab_dt_normal(8, i)) / (double)many;
+  }
+  CHECK_NEAR(moment[1], 0, 0.01);
+  CHECK_NEAR(moment[2], 1, 0.02);
+  CHECK_NEAR(moment[3], 0, 0.05);
+  CHECK_NEAR(moment[4], 3, 0.1);
+  CHECK_NEAR(beside, 0, 0.02);
+}
+
 /* On hats in one dimension the best split is exact: signs of slopes alternate with the node. */
 static void CheckSweeps(Layout *l)
 {
@@ -363,6 +382,7 @@ static PetscErrorCode Check(int argc, char **argv)
   (void)argc, (void)argv;
   for (PetscInt64 seed = 1; seed <= 900; seed++) CheckBounds(seed, &layout);
   CheckChance(&layout);
+  CheckNormal();
   CheckSweeps(&layout);
   CheckPointers(&layout);
   CheckFaults(&layout);

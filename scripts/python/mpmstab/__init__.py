@@ -4,7 +4,8 @@
     limit = mpmstab.critical(formulation="musl", basis="quadratic", ppc=2)
     limit.critical.critical_courant
 
-mpmstab.dt finds the largest step of your own particles, without the program. The functions are the tasks of the program. Keyword arguments are its options, as 'mpmstab list options' prints them.
+The functions are the tasks of the program. Keyword arguments are its options, as 'mpmstab list options' prints them.
+mpmstab.dt finds the largest stable step of your own particles, without the program.
 """
 from .errors import BadInput, Failed, NotBuilt
 from .tasks import critical, ensemble, map, run, spectrum, symbol

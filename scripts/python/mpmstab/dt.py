@@ -121,8 +121,7 @@ class Layout:
         root = numpy.sqrt(G)
         T = self.lame[:, None, None] * root[:, :, None] * root[:, None, :]
         T += 2 * self.mu[:, None, None] * numpy.einsum("pa,ab->pab", G, numpy.eye(self.dim))
-        largest = numpy.linalg.eigvalsh(T)[:, -1]
-        return numpy.maximum(largest, self.mu * (G[:, -1] + G[:, -2])) if self.dim > 1 else largest
+        return numpy.linalg.eigvalsh(T)[:, -1]
 
     def lone(self, walls=True):
         """The bound of each particle as if it were alone, or beside walls."""
