@@ -225,7 +225,8 @@ static inline double mpmstab_dt_eigenvalues(double A[3][3])
   for (int turn = 0; turn < 30; turn++) {
     const int    p = turn % 3 / 2, q = turn % 3 ? 2 : 1; /* (0, 1), (0, 2), (1, 2) */
     const double x = (A[q][q] - A[p][p]) / 2, y = A[p][q], size = fabs(x) + sqrt(x * x + y * y);
-    const double t = size > 0 ? (x < 0 ? -y : y) / size : 0, c = 1 / sqrt(t * t + 1), s = t * c;
+    if (!(fabs(y) > 1e-16 * (fabs(A[p][p]) + fabs(A[q][q])))) continue;
+    const double t = (x < 0 ? -y : y) / size, c = 1 / sqrt(t * t + 1), s = t * c;
     for (int k = 0; k < 6; k++) { /* columns, and then rows */
       double      *one = k < 3 ? &A[k][p] : &A[p][k - 3], *other = k < 3 ? &A[k][q] : &A[q][k - 3];
       const double was = *one;
