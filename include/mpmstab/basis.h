@@ -6,20 +6,17 @@
 #define MPM_MOST_NODES 6 /* that a particle has weights at along one direction; all arrays for these follow from it */
 
 /*S
-   MpmBlock - the places of a block of particles. The kernels of a basis need them besides the data.
+   MpmBlock - the places of a block of particles, of which a basis makes weights.
 
-   n          - the number of particles, at most MPM_BLOCK. Their order is that of their cells for speed; any order is
-                correct.
+   n          - the number of particles, at most MPM_BLOCK, in any order
    xi         - xi[p] in [0,1): the place of particle p in its cell, in cells
    first      - first[p]: the local index of the first node that particle p has a weight at
    half_width - half of a particle's width, in cells; only bases with wide set use it
    wall       - the local indices of the first and the last node of the direction, or MpmNoWalls; only bases whose
                 functions differ near walls use it
-   begin, end, length - particles [begin, end) come in runs of length particles each. Those of a run have the same first
-                node; the first node of the next run is one further on. begin = end = n: there are no such runs.
 S*/
 typedef struct {
-  PetscInt         n, begin, end, length, first[MPM_BLOCK];
+  PetscInt         n, first[MPM_BLOCK];
   const PetscReal *xi;
   PetscReal        half_width;
   PetscInt         wall[2];
@@ -40,40 +37,20 @@ typedef enum { MPM_SPLINES_MIRRORED, MPM_SPLINES_MODIFIED, MPM_SPLINES_OPEN } Mp
 extern const char *const MpmSplineEndNames[];
 
 /*
-   MpmKernel - a map between the particles of a block and the nodes. phi_ip is the basis function of node i at particle
-   p, and a is the argument:
+   MpmWeights - the weights of the nodes of each particle of a block, for a kind of map: weight[d * stride + p] is that of
+   node first[p] + d. With the basis function phi_ip of node i at particle p they are
 
-     P2G         node[i]     += a sum_p phi_ip particle[p]
-     P2G_AFFINE  node[i]     += a sum_p phi_ip particle[p] (x_i - x_p) / h
-     DIV         node[i]     += a h sum_p dphi_ip/dx particle[p]
-     DIV_MLS     node[i]     += a sum_p phi_ip particle[p] (x_i - x_p) h / sum_j phi_jp (x_j - x_p)^2
-     CURVE       node[i]     += a h^2 sum_p d2phi_ip/dx2 particle[p]
-     CURVE_MLS   node[i]     += a sum_p particle[p] h d/dx_p of the weight of DIV_MLS
-     G2P         particle[p] += a sum_i phi_ip node[i]
-     G2P_AFFINE  particle[p] += a sum_i phi_ip node[i] (x_i - x_p) h / sum_i phi_ip (x_i - x_p)^2
-     GRAD        particle[p] += a h sum_i dphi_ip/dx node[i]
-     GRAD_MLS    particle[p] += as G2P_AFFINE
-     G2P_SLOPE   particle[p] += as GRAD
+     P2G, G2P                        phi_ip
+     P2G_AFFINE                      phi_ip (x_i - x_p) / h
+     DIV, GRAD, G2P_SLOPE            h dphi_ip/dx
+     DIV_MLS, GRAD_MLS, G2P_AFFINE   phi_ip (x_i - x_p) h / sum_j phi_jp (x_j - x_p)^2
+     CURVE                           h^2 d2phi_ip/dx2
+     CURVE_MLS                       h d/dx_p of the weight of DIV_MLS
 
-   Not collective. The kernel does not divide the sums at nodes by the nodal masses. Node i is the left end of cell i.
-   No two arrays overlap.
-*/
-typedef void (*MpmKernel)(const MpmBlock *block, PetscReal a, PetscReal particle[], PetscReal node[]);
+   A map to nodes adds a sum_p weight particle[p] to node[i], before the division by nodal masses, and one to particles
+   adds a sum_i weight node[i] to particle[p]. Node i is the left end of cell i.
 
-/*
-   MpmMassKernel - P2G with a = 1 and the nodal masses in one loop, for particles that have moved and have equal masses:
-
-     node[i] += sum_p phi_ip particle[p],    mass[i] += sum_p phi_ip
-
-   Not collective.
-*/
-typedef void (*MpmMassKernel)(const MpmBlock *block, const PetscReal particle[], PetscReal node[], PetscReal mass[]);
-
-/*
-   MpmWeights - the weights of the NODES nodes of each particle of a block, as they are in the sum of a kernel that goes
-   to nodes: weight[d * stride + p] is that of node first[p] + d.
-
-   Not collective. stride is at least block->n, or 1 for one particle.
+   Not collective. stride is at least block->n.
 */
 typedef void (*MpmWeights)(const MpmBlock *block, PetscInt stride, PetscReal weight[]);
 
@@ -91,9 +68,8 @@ typedef void (*MpmWeights)(const MpmBlock *block, PetscInt stride, PetscReal wei
                  hats, whose slopes do not change but on nodes
    moment      - sum_i phi_ip (x_i - x_p)^2 / h^2 where it is the same at all places; 0 where it is not
    smooth      - the slopes of the functions have slopes at any place of a particle
-   kernel      - the maps, by kind of operation; NULL for kinds that are no map between particles and nodes
-   p2g_mass    - P2G with the nodal masses
-   weights     - the weights of the kernels that go to nodes, by kind; NULL for all other kinds
+   weights     - by kind of operation; NULL for kinds that are no map between particles and nodes, and for curves where
+                 slopes do not change
    first_nodes - for n particles at xi in cells cell, the first node that each has a weight at
    hat         - the functions are hats, for which the slides' formulas are
    wide        - the functions depend on the width of the particle
@@ -104,8 +80,6 @@ typedef struct {
   MpmSplineEnds spline_ends;
   PetscReal     slope_sum, curve_sum, moment;
   PetscBool     smooth;
-  MpmKernel     kernel[MPM_OP_KINDS];
-  MpmMassKernel p2g_mass;
   MpmWeights    weights[MPM_OP_KINDS];
   void (*first_nodes)(PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscInt first[]);
   PetscBool hat;

@@ -48,6 +48,15 @@ E*/
 typedef enum { MPM_BALANCE_AUTO, MPM_BALANCE_CELLS, MPM_BALANCE_PARTICLES } MpmBalance;
 extern const char *const MpmBalanceNames[];
 
+/*E
+   MpmMarchWay - how a march is run.
+
+   MPM_MARCH_FAST  - operations are joined to passes, in which blocks of particles stay in the cache
+   MPM_MARCH_PLAIN - one operation after another. It comes to the same numbers but for rounding.
+E*/
+typedef enum { MPM_MARCH_FAST, MPM_MARCH_PLAIN } MpmMarchWay;
+extern const char *const MpmMarchNames[];
+
 /*S
    MpmSpan - particles at sites that follow one another along direction 0, where particles do not fill a box: the number
    of the first in the box, and its id. Spans are in the order of both, and end where the id of the next one begins.
@@ -86,6 +95,7 @@ typedef struct {
    material   - the materials of the particles
    varies     - varies[property]: particles differ in this property
    balance    - how the cells are shared among ranks
+   march      - how a march is run
    ranks      - the number of ranks along each direction; 0: those with the fewest ghosts
 S*/
 typedef struct {
@@ -100,6 +110,7 @@ typedef struct {
   MpmMaterial  material;
   PetscBool    varies[MPM_PROPERTIES];
   MpmBalance   balance;
+  MpmMarchWay  march;
   PetscInt     ranks[MPM_MAX_DIM];
   const char  *shape;
   PetscInt64   nspans;

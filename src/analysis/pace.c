@@ -206,7 +206,7 @@ PetscErrorCode MpmPaceStep(MpmPace *pace, MpmMarch *march, PetscInt64 *last)
   if (courant >= pace->end - march->elapsed) *last = PetscMin(*last, march->step + 1);
   if (courant != march->courant) {
     PetscCall(MpmMarchSetCourant(march, courant));
-    PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
+    PetscCall(MpmMarchStart(march));
     pace->changes += march->step > 0 ? 1 : 0;
   }
   if (pace->reason != MPM_PACE_END) {

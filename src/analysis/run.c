@@ -268,17 +268,17 @@ static PetscErrorCode Conclude(Loop *loop)
 {
   MpmRun         *r     = loop->run;
   const MpmScene *scene = r->scene;
-  PetscBool       alike; /* on all ranks */
+  const PetscBool alike = scene->layout.dim == 1 && scene->layout.jitter == 0 && scene->layout.counts.n == 1;
 
   PetscFunctionBegin;
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop->march, r->error));
   r->steps = loop->march->step;
   MpmImplicitSolveTotals(loop->march, &r->iterations, &r->solve_s);
-  r->time = MpmMarchTime(loop->march, r->steps);
-  alike   = loop->march->particles->per_cell || !loop->march->particles->count ? PETSC_TRUE : PETSC_FALSE;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPIU_BOOL, MPI_LAND, PETSC_COMM_WORLD));
-  r->bytes = MpmScheduleBytes(scene->scheme.table, &loop->march->schedule,
-                              (PetscReal)scene->layout.particles / MpmLayoutNodes(&scene->layout), alike);
+  r->time  = MpmMarchTime(loop->march, r->steps);
+  r->bytes = NAN; /* of the plain march nobody counts them */
+  if (scene->layout.march == MPM_MARCH_FAST)
+    r->bytes = MpmScheduleBytes(scene->scheme.table, &loop->march->schedule,
+                                (PetscReal)scene->layout.particles / MpmLayoutNodes(&scene->layout), alike);
   if (loop->diagnostics) {
     r->transfer_first = loop->diagnostics->first;
     r->transfer_last  = loop->diagnostics->last;

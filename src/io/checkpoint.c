@@ -445,12 +445,9 @@ PetscErrorCode MpmCheckpointRead(const char path[], PetscInt64 steps, MpmMarch *
   PetscCall(MpmHdf5Close(&hdf5, &failed));
   PetscCall(ierr);
   PetscCall(MpmCheckpointCheckState(march, share.same, before.mass, path));
-  if (share.same)
-    PetscCall(MpmParticlesComparePlaces(march->particles));
-  else
-    PetscCall(MpmParticlesRebase(march->particles, march->grid));
-  PetscCall(MpmRowsFind(march));
+  if (!share.same) PetscCall(MpmParticlesRebase(march->particles, march->grid));
+  if (march->engine->placed) PetscCall(march->engine->placed(march));
   PetscCall(MpmParticlesWeigh(march->particles));
-  if (!share.same) PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
+  if (!share.same) PetscCall(MpmMarchStart(march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

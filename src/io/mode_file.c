@@ -113,6 +113,6 @@ PetscErrorCode MpmModeFileFill(const char path[], MpmMarch *march)
     for (PetscInt p = 0; p < particles->count; p++) q[p] *= scalbn(scene->amplitude, -(int)march->exponent) / largest;
     PetscCall(MpmParticlesRestore(particles, scene->scheme.table->fields[f], &q));
   }
-  PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
+  PetscCall(MpmMarchStart(march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -35,15 +35,6 @@ static PetscInt Find(const MpmCloudPlan *plan, PetscInt node, PetscBool sums, Pe
   return b;
 }
 
-/* The number of a kind of weights in a row plan, where phi_ip is 0. */
-static PetscInt Number(const MpmRowPlan *rows, MpmOpKind kind)
-{
-  PetscInt number = 0;
-
-  while (rows->kind[number] != kind) number++;
-  return number;
-}
-
 /* The number of a kind among those of a part, where phi_ip is 0. */
 static PetscInt KindOf(MpmCloudPart *part, PetscInt number)
 {
@@ -72,9 +63,9 @@ static void Insert(MpmCloudPlan *plan, MpmCloudPart *part, MpmCloudMap map)
 /* The numbers of the kinds of a map's weights along the directions. Returns along how many of them it acts. */
 static PetscInt KindsOf(const MpmRowPlan *rows, const MpmRowLine *l, const MpmRowMap *m, PetscInt kind[])
 {
-  kind[0] = Number(rows, m->weights);
-  kind[1] = Number(rows, rows->across[l->across].y);
-  kind[2] = Number(rows, rows->across[l->across].z);
+  kind[0] = m->weights;
+  kind[1] = rows->across[l->across].y;
+  kind[2] = rows->across[l->across].z;
   return (kind[0] > 0) + (kind[1] > 0) + (kind[2] > 0);
 }
 

@@ -1,6 +1,5 @@
 /* Takes the particles of a rank through a pass, cloud by cloud. */
 #include "march/clouds.h"
-#include "march/finite.h"
 #include <stdint.h>
 
 #define LINE 64        /* bytes in a line of the cache: the values of a node are in one line */
@@ -29,7 +28,7 @@ typedef struct {
 } Work;
 
 /* Finds the nodes and the weights of the cloud, the n particles from begin on. */
-static void Place(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt after, Placed *placed)
+static void Place(const MpmMarchArrays *a, PetscInt begin, PetscInt n, PetscInt after, Placed *placed)
 {
   const MpmMarch *march = a->march;
   const MpmBasis *basis = march->scheme->basis;
@@ -44,7 +43,7 @@ static void Place(const MpmRowArrays *a, PetscInt begin, PetscInt n, PetscInt af
 
     block.xi = a->xi[d] + begin;
     if (march->particles->drift[d].value != 0) {
-      MpmRowsMove(a, d, n, cell, block.xi, after, moved, xi);
+      MpmMarchPlaces(a, d, n, cell, block.xi, after, moved, xi);
       cell     = moved;
       block.xi = xi;
     }
@@ -138,8 +137,8 @@ static void (*const give[1 + SOURCES][1 + SOURCES])(const Sources *, PetscInt, P
                                                     PetscReal *) = {FOR_EACH(NAME_ALL)};
 
 /* What the nodes of particle p give to it, or with spreads get from it: q times the weights of a map along two axes. */
-static PetscReal Cross(const MpmRowArrays *a, const MpmCloudCross *c, const Placed *placed, PetscInt p, PetscInt width,
-                       PetscReal *restrict node, PetscBool spreads, PetscReal q)
+static PetscReal Cross(const MpmMarchArrays *a, const MpmCloudCross *c, const Placed *placed, PetscInt p,
+                       PetscInt width, PetscReal *restrict node, PetscBool spreads, PetscReal q)
 {
   const PetscInt nodes = a->march->scheme->basis->nodes, dim = a->march->grid->dim, *stride = placed->cloud.stride;
   PetscReal      sum = 0;
@@ -161,7 +160,7 @@ static PetscReal Cross(const MpmRowArrays *a, const MpmCloudCross *c, const Plac
 }
 
 /* Maps along two axes are few, so they go from node to node. */
-static void RunCrosses(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt begin, PetscBool spreads,
+static void RunCrosses(const MpmMarchArrays *a, const MpmCloudPart *part, PetscInt begin, PetscBool spreads,
                        const Placed *placed, Work *w)
 {
   const PetscInt width = w->plan->bundle[part->bundle].width;
@@ -191,7 +190,7 @@ static void AddWeighed(PetscInt n, PetscReal a, const PetscReal *restrict weight
     for (PetscInt p = 0; p < n; p++) q[p] += a * from[p];
 }
 
-static void RunGather(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt begin, const Placed *placed, Work *w)
+static void RunGather(const MpmMarchArrays *a, const MpmCloudPart *part, PetscInt begin, const Placed *placed, Work *w)
 {
   const MpmCloudPlan *plan  = w->plan;
   const PetscInt      width = plan->bundle[part->bundle].width, n = placed->cloud.n;
@@ -206,7 +205,7 @@ static void RunGather(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt 
   }
 }
 
-static const PetscReal *FieldOf(const MpmRowArrays *a, const MpmCloudMap *m, PetscInt begin, const Work *w)
+static const PetscReal *FieldOf(const MpmMarchArrays *a, const MpmCloudMap *m, PetscInt begin, const Work *w)
 {
   return m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, begin);
 }
@@ -215,8 +214,8 @@ static const PetscReal *FieldOf(const MpmRowArrays *a, const MpmCloudMap *m, Pet
    Adds a source of the lane of map m: the field that it gives, or if particles have weights the sum of all that the lane
    gets. Returns the first map that has not been done.
 */
-static const MpmCloudMap *AddField(const MpmRowArrays *a, const MpmCloudMap *m, const MpmCloudMap *end, PetscInt begin,
-                                   PetscInt n, Work *w, Source *from)
+static const MpmCloudMap *AddField(const MpmMarchArrays *a, const MpmCloudMap *m, const MpmCloudMap *end,
+                                   PetscInt begin, PetscInt n, Work *w, Source *from)
 {
   const MpmCloudMap *first = m;
   const PetscInt     l     = m->lane % SIDE;
@@ -242,7 +241,7 @@ static void AddTaken(const MpmCloudTerm *t, const Work *w, Source *from)
   }
 }
 
-static void RunSpread(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt begin, const Placed *placed, Work *w)
+static void RunSpread(const MpmMarchArrays *a, const MpmCloudPart *part, PetscInt begin, const Placed *placed, Work *w)
 {
   const MpmCloudPlan *plan = w->plan;
   const MpmCloudMap  *m = plan->map + part->begin, *end = plan->map + part->end;
@@ -272,25 +271,8 @@ static void RunSpread(const MpmRowArrays *a, const MpmCloudPart *part, PetscInt 
   part->run(&placed->cloud, w->node[part->bundle], given);
 }
 
-/* Runs an operation of finite deformation. */
-static void RunFinite(const MpmRowArrays *a, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after)
-{
-  const PetscInt       dim   = a->march->grid->dim;
-  const MpmFiniteWidth width = MpmFiniteWidthOf(step->finite, dim);
-  MpmFiniteBlock       block = {.begin = begin, .n = n, .step = a->step + after, .a = step->a, .id = a->id + begin};
-
-  for (PetscInt c = 0; c < width.to; c++) block.to[c] = MpmRowsField(a, step->particle + c, begin);
-  for (PetscInt c = 0; c < width.from; c++) block.from[c] = MpmRowsField(a, step->other + c, begin);
-  for (PetscInt d = 0; d < dim; d++) {
-    block.cell[d] = a->cell[d] + begin;
-    block.xi[d]   = a->xi[d] + begin;
-  }
-  if (a->weight[MPM_STIFFNESS]) block.stiffness = a->weight[MPM_STIFFNESS] + begin;
-  MpmFiniteRun(a->march, step->finite, &block);
-}
-
 /* Asks for the state of n particles before it is read: a cloud is too short for the processor to foresee what comes. */
-static void Prefetch(const MpmRowArrays *a, PetscInt begin, PetscInt n)
+static void Prefetch(const MpmMarchArrays *a, PetscInt begin, PetscInt n)
 {
   for (PetscInt p = begin; p < begin + n; p += LINE / (PetscInt)sizeof(PetscReal)) {
     for (PetscInt f = 0; f < a->march->scheme->table->nstate; f++)
@@ -302,7 +284,7 @@ static void Prefetch(const MpmRowArrays *a, PetscInt begin, PetscInt n)
   }
 }
 
-static void RunCloud(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
+static void RunCloud(const MpmMarchArrays *a, PetscInt begin, PetscInt n, Work *w)
 {
   Placed *placed = &w->placed[0];
 
@@ -326,8 +308,8 @@ static void RunCloud(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
     else if (step->kind == MPM_ROW_ADD)
       MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
     else if (step->kind == MPM_ROW_FINITE)
-      RunFinite(a, step, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
-    if (step->kind == MPM_ROW_DRIFT || (step->kind == MPM_ROW_FINITE && step->finite == MPM_PASS_ADVANCE)) {
+      MpmRowsFinite(a, step, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
+    if (step->kind == MPM_ROW_DRIFT || (step->kind == MPM_ROW_FINITE && step->finite == MPM_ADVANCE)) {
       placed = &w->placed[1];
       Place(a, begin, n, 1, placed);
     } else if (step->kind == MPM_ROW_SAMPLE && a->sample)
@@ -335,17 +317,9 @@ static void RunCloud(const MpmRowArrays *a, PetscInt begin, PetscInt n, Work *w)
   }
 }
 
-/* The number of nodes of a local array, with its ghosts. */
-static PetscInt Nodes(const MpmGrid *grid)
-{
-  const MpmGridAxis *last = &grid->axis[grid->dim - 1];
-
-  return last->stride * (last->nodes + 2 * grid->ghost);
-}
-
 /* Copies the fields of a bundle that is read into it, or the sums of the others out of it. */
-static inline void CopyWidth(const MpmRowArrays *a, const MpmCloudBundle *bundle, const PetscInt width, PetscInt nodes,
-                             PetscReal *restrict values)
+static inline void CopyWidth(const MpmMarchArrays *a, const MpmCloudBundle *bundle, const PetscInt width,
+                             PetscInt nodes, PetscReal *restrict values)
 {
   PetscReal *field[MPM_BUNDLE] = {NULL};
 
@@ -360,7 +334,7 @@ static inline void CopyWidth(const MpmRowArrays *a, const MpmCloudBundle *bundle
     for (PetscInt l = 0; l < width; l++) values[width * i + l] = field[l][i];
 }
 
-static void Copy(const MpmRowArrays *a, const MpmCloudBundle *bundle, PetscInt nodes, PetscReal *restrict values)
+static void Copy(const MpmMarchArrays *a, const MpmCloudBundle *bundle, PetscInt nodes, PetscReal *restrict values)
 {
   if (bundle->width == 4) CopyWidth(a, bundle, 4, nodes, values);
   if (bundle->width == 8) CopyWidth(a, bundle, 8, nodes, values);
@@ -368,13 +342,13 @@ static void Copy(const MpmRowArrays *a, const MpmCloudBundle *bundle, PetscInt n
 
 PetscInt MpmCloudsSize(const MpmGrid *grid, const MpmCloudPlan *plan)
 {
-  return plan->width * Nodes(grid) + plan->products + LINE / sizeof(PetscReal);
+  return plan->width * MpmGridSize(grid) + plan->products + LINE / sizeof(PetscReal);
 }
 
-PetscErrorCode MpmCloudsRun(const MpmRowArrays *a, const MpmCloudPlan *plan, PetscReal bundles[])
+PetscErrorCode MpmCloudsRun(const MpmMarchArrays *a, const MpmCloudPlan *plan, PetscReal bundles[])
 {
   const MpmGrid *grid  = a->march->grid;
-  const PetscInt count = a->march->particles->count, nodes = Nodes(grid);
+  const PetscInt count = a->march->particles->count, nodes = MpmGridSize(grid);
   PetscReal     *first = bundles + (LINE - (uintptr_t)bundles % LINE) / sizeof(PetscReal);
   Work           work  = {.plan = plan, .products = first + plan->width * nodes};
 

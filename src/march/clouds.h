@@ -77,4 +77,4 @@ void MpmCloudPlanCompile(const MpmRowPlan *rows, const MpmBasis *basis, PetscInt
 PetscInt MpmCloudsSize(const MpmGrid *grid, const MpmCloudPlan *plan);
 
 /* Not collective. Takes all particles through the pass, with memory for its bundles. Sums are set, ghosts included. */
-PetscErrorCode MpmCloudsRun(const MpmRowArrays *arrays, const MpmCloudPlan *plan, PetscReal bundles[]);
+PetscErrorCode MpmCloudsRun(const MpmMarchArrays *arrays, const MpmCloudPlan *plan, PetscReal bundles[]);

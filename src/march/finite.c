@@ -5,14 +5,14 @@
 #include <stdio.h>
 #include <string.h>
 
-MpmFiniteWidth MpmFiniteWidthOf(MpmPassOpKind kind, PetscInt dim)
+MpmFiniteWidth MpmFiniteWidthOf(MpmOpKind kind, PetscInt dim)
 {
   switch (kind) {
-  case MPM_PASS_STRESS:
+  case MPM_STRESS:
     return (MpmFiniteWidth){dim * (dim + 1) / 2, dim * dim};
-  case MPM_PASS_STRETCH:
+  case MPM_STRETCH:
     return (MpmFiniteWidth){dim * dim, dim * dim};
-  case MPM_PASS_LOAD:
+  case MPM_LOAD:
     return (MpmFiniteWidth){dim, 0};
   default:
     return (MpmFiniteWidth){dim, 0};
@@ -76,16 +76,26 @@ static void Stress(const MpmMarch *march, const MpmFiniteBlock *block)
     for (PetscInt p = 0; p < block->n; p++) block->to[c][p] *= block->stiffness[p];
 }
 
-void MpmFiniteRun(const MpmMarch *march, MpmPassOpKind kind, const MpmFiniteBlock *block)
+void MpmFinitePlace(const MpmMarchArrays *a, MpmFiniteBlock *block)
+{
+  block->id = a->id + block->begin;
+  for (PetscInt d = 0; d < a->march->grid->dim; d++) {
+    block->cell[d] = a->cell[d] + block->begin;
+    block->xi[d]   = a->xi[d] + block->begin;
+  }
+  if (a->weight[MPM_STIFFNESS]) block->stiffness = a->weight[MPM_STIFFNESS] + block->begin;
+}
+
+void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *block)
 {
   const PetscInt          dim  = march->grid->dim;
   const PetscReal *const *from = (const PetscReal *const *)block->from;
 
-  if (kind == MPM_PASS_STRESS)
+  if (kind == MPM_STRESS)
     Stress(march, block);
-  else if (kind == MPM_PASS_LOAD)
+  else if (kind == MPM_LOAD)
     Load(march, block);
-  else if (kind == MPM_PASS_ADVANCE)
+  else if (kind == MPM_ADVANCE)
     Advance(march, block);
   else {
     const PetscInt bad = MpmStretch(dim, block->n, block->a, block->to, from);

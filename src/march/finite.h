@@ -44,10 +44,13 @@ typedef struct {
 typedef struct {
   PetscInt to, from;
 } MpmFiniteWidth;
-MpmFiniteWidth MpmFiniteWidthOf(MpmPassOpKind kind, PetscInt dim);
+MpmFiniteWidth MpmFiniteWidthOf(MpmOpKind kind, PetscInt dim);
+
+/* Not collective. Sets what a block from begin on has besides the fields. */
+void MpmFinitePlace(const MpmMarchArrays *arrays, MpmFiniteBlock *block);
 
 /* Not collective. Runs an operation on a block. */
-void MpmFiniteRun(const MpmMarch *march, MpmPassOpKind kind, const MpmFiniteBlock *block);
+void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *block);
 
 /*
    Not collective. The gravity of the march's scene, and its body force on particle id, at its place at rest and at the time

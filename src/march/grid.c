@@ -126,11 +126,10 @@ static void ListCopies(const MpmGrid *grid, PetscMPIInt rank, PetscInt count[2],
 
 static PetscErrorCode CreateHalo(MpmGrid *grid)
 {
-  const MPI_Comm     comm = PetscObjectComm((PetscObject)grid->da);
-  const MpmGridAxis *last = &grid->axis[grid->dim - 1];
-  PetscMPIInt        rank;
-  PetscInt           count[2], *start;
-  PetscSFNode       *all;
+  const MPI_Comm comm = PetscObjectComm((PetscObject)grid->da);
+  PetscMPIInt    rank;
+  PetscInt       count[2], *start;
+  PetscSFNode   *all;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
@@ -138,7 +137,7 @@ static PetscErrorCode CreateHalo(MpmGrid *grid)
   PetscCall(PetscMalloc2(count[0] + 1, &start, count[1], &all));
   start[0] = 0;
   ListCopies(grid, rank, count, start, all);
-  PetscCall(MpmHaloCreate(comm, last->stride * (last->nodes + 2 * grid->ghost), count[0], start, all, &grid->halo));
+  PetscCall(MpmHaloCreate(comm, MpmGridSize(grid), count[0], start, all, &grid->halo));
   PetscCall(PetscFree2(start, all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -246,44 +245,18 @@ PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **a
 
 PetscErrorCode MpmGridZero(const MpmGrid *grid, PetscReal array[])
 {
-  const MpmGridAxis *last = &grid->axis[grid->dim - 1];
-
   PetscFunctionBegin;
-  PetscCall(PetscArrayzero(array - grid->origin, last->stride * (last->nodes + 2 * grid->ghost)));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The arrays from their beginnings. */
-static void Bases(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[], PetscReal *base[])
-{
-  for (PetscInt f = 0; f < n; f++) base[f] = arrays[f] - grid->origin;
-}
-
-PetscErrorCode MpmGridSumBegin(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
-{
-  PetscReal *base[MPM_HALO_FIELDS];
-
-  PetscFunctionBegin;
-  Bases(grid, n, arrays, base);
-  PetscCall(MpmHaloSumBegin(grid->halo, n, base));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmGridSumEnd(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
-{
-  PetscReal *base[MPM_HALO_FIELDS];
-
-  PetscFunctionBegin;
-  Bases(grid, n, arrays, base);
-  PetscCall(MpmHaloSumEnd(grid->halo, n, base));
+  PetscCall(PetscArrayzero(array - grid->origin, MpmGridSize(grid)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
 {
+  PetscReal *base[MPM_HALO_FIELDS]; /* the arrays from their beginnings */
+
   PetscFunctionBegin;
-  PetscCall(MpmGridSumBegin(grid, n, arrays));
-  PetscCall(MpmGridSumEnd(grid, n, arrays));
+  for (PetscInt f = 0; f < n; f++) base[f] = arrays[f] - grid->origin;
+  PetscCall(MpmHaloSum(grid->halo, n, base));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -57,6 +57,14 @@ static inline PetscInt MpmGridNodes(const MpmGrid *grid)
   return nodes;
 }
 
+/* Not collective. The number of nodes of a local array, with its ghosts. */
+static inline PetscInt MpmGridSize(const MpmGrid *grid)
+{
+  const MpmGridAxis *last = &grid->axis[grid->dim - 1];
+
+  return last->stride * (last->nodes + 2 * grid->ghost);
+}
+
 /* Not collective. The local array of a node field, indexed by local node, with its ghosts. */
 PetscErrorCode MpmGridGetArray(const MpmGrid *grid, Vec field, PetscReal **array);
 PetscErrorCode MpmGridRestoreArray(const MpmGrid *grid, Vec field, PetscReal **array);
@@ -66,12 +74,9 @@ PetscErrorCode MpmGridZero(const MpmGrid *grid, PetscReal array[]);
 
 /*
    Collective. For n local arrays, MpmGridSum sets each node, with its ghosts on all ranks, to the sum of what it and
-   these ghosts have. It sends one message to a neighbour for all arrays. MpmGridSumBegin and MpmGridSumEnd do the same
-   in two parts. Between them only nodes may change that are neither ghosts nor have ghosts.
+   these ghosts have. It sends one message to a neighbour for all arrays.
 */
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
-PetscErrorCode MpmGridSumBegin(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
-PetscErrorCode MpmGridSumEnd(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
 
 /*
    Not collective. Nodes beyond a wall are mirror images, sign[end] times those inside. MpmGridFold adds the sums at

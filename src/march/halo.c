@@ -117,10 +117,31 @@ static PetscErrorCode GetUnit(MpmHalo *h, PetscInt n, MPI_Datatype *unit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHaloSumBegin(MpmHalo *h, PetscInt n, PetscReal *const arrays[])
+/* Adds the sums of other ranks, n numbers each. */
+static void AddOthers(const MpmHalo *h, PetscInt n, PetscInt begin, PetscInt end)
+{
+  for (PetscInt l = begin; l < end; l++)
+    for (PetscInt f = 0; f < n; f++) h->total[n * h->other_node[l] + f] += h->others[n * l + f];
+}
+
+/* Exchanges the sums of ranks, and adds all in the order of ranks. */
+static PetscErrorCode AddUp(MpmHalo *h, PetscInt n)
 {
   MPI_Datatype unit;
 
+  PetscFunctionBegin;
+  PetscCall(GetUnit(h, n, &unit));
+  PetscCall(PetscSFBcastBegin(h->sf, unit, h->own, h->others, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(h->sf, unit, h->own, h->others, MPI_REPLACE));
+  PetscCall(PetscArrayzero(h->total, n * h->nnodes));
+  AddOthers(h, n, 0, h->nlower);
+  for (PetscInt i = 0; i < n * h->nnodes; i++) h->total[i] += h->own[i];
+  AddOthers(h, n, h->nlower, h->nothers);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmHaloSum(MpmHalo *h, PetscInt n, PetscReal *const arrays[])
+{
   PetscFunctionBegin;
   if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MakeRoom(h, n));
@@ -131,38 +152,6 @@ PetscErrorCode MpmHaloSumBegin(MpmHalo *h, PetscInt n, PetscReal *const arrays[]
 
     for (PetscInt c = 0; c < h->ncopies; c++) own[n * h->copy_node[c]] += array[h->copy[c]];
   }
-  if (!h->sf) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(GetUnit(h, n, &unit));
-  PetscCall(PetscSFBcastBegin(h->sf, unit, h->own, h->others, MPI_REPLACE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Adds the sums of other ranks, n numbers each. */
-static void AddOthers(const MpmHalo *h, PetscInt n, PetscInt begin, PetscInt end)
-{
-  for (PetscInt l = begin; l < end; l++)
-    for (PetscInt f = 0; f < n; f++) h->total[n * h->other_node[l] + f] += h->others[n * l + f];
-}
-
-/* Waits for the sums of other ranks, and adds all in the order of ranks. */
-static PetscErrorCode AddUp(MpmHalo *h, PetscInt n)
-{
-  MPI_Datatype unit;
-
-  PetscFunctionBegin;
-  PetscCall(GetUnit(h, n, &unit));
-  PetscCall(PetscSFBcastEnd(h->sf, unit, h->own, h->others, MPI_REPLACE));
-  PetscCall(PetscArrayzero(h->total, n * h->nnodes));
-  AddOthers(h, n, 0, h->nlower);
-  for (PetscInt i = 0; i < n * h->nnodes; i++) h->total[i] += h->own[i];
-  AddOthers(h, n, h->nlower, h->nothers);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmHaloSumEnd(MpmHalo *h, PetscInt n, PetscReal *const arrays[])
-{
-  PetscFunctionBegin;
-  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
   if (h->sf) PetscCall(AddUp(h, n));
   for (PetscInt f = 0; f < n; f++) {
     const PetscReal *restrict sum = (h->sf ? h->total : h->own) + f;

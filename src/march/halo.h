@@ -35,11 +35,9 @@ PetscErrorCode MpmHaloCreate(MPI_Comm comm, PetscInt size, PetscInt n, const Pet
 PetscErrorCode MpmHaloDestroy(MpmHalo **halo);
 
 /*
-   MpmHaloSumBegin, MpmHaloSumEnd - set all copies of a node to their sum, in n local arrays. The sums of a rank's copies
-   are added in the order of ranks, so all ranks get the same numbers. Between the two calls other nodes may be summed;
-   a rank waits only in the second, and there until its neighbours have made the first.
+   MpmHaloSum - sets all copies of a node to their sum, in n local arrays. The sums of a rank's copies are added in the order
+   of ranks, so all ranks get the same numbers.
 
    Collective.
 */
-PetscErrorCode MpmHaloSumBegin(MpmHalo *halo, PetscInt n, PetscReal *const arrays[]);
-PetscErrorCode MpmHaloSumEnd(MpmHalo *halo, PetscInt n, PetscReal *const arrays[]);
+PetscErrorCode MpmHaloSum(MpmHalo *halo, PetscInt n, PetscReal *const arrays[]);

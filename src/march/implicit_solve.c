@@ -90,21 +90,13 @@ static PetscErrorCode Weigh(const MpmMarch *march, Vec add, PetscBool whole, Vec
 static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
 {
   MpmImplicitSolve *s;
-  PetscInt64        step;
+  PetscInt          i = 0;
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(matrix, &s));
-  step = s->step;
   PetscCall(Spread(s->march, s->k->solved, x));
-  {
-    const MpmNodeVectors nodes = {.n            = s->march->nnodes,
-                                  .node         = s->march->node,
-                                  .spare        = s->march->spare,
-                                  .inverse_mass = s->march->inverse_mass,
-                                  .parity       = s->k->parity};
-
-    PetscCall(MpmMarchRunPassesOn(s->march, &nodes, &step, 1, s->schedule.pass, PETSC_FALSE));
-  }
+  while (s->march->implicit[i] != s) i++;
+  PetscCall(s->march->engine->stiffness(s->march, s->step, i));
   PetscCall(Copy(s->march, s->k->image, PETSC_TRUE, y));
   PetscCall(VecScale(y, s->a));
   PetscCall(Weigh(s->march, x, PETSC_TRUE, y));

@@ -1,9 +1,8 @@
 /*
-   The march: sets up grid, particles and vectors, and takes steps pass by pass. Particles migrate to another rank
-   before they would leave the ghost layer.
+   The march: sets up grid, particles and vectors, and takes steps by the plain or the fast way. Particles migrate to
+   another rank before they would leave the ghost layer.
 */
 #include "base/large_pages.h"
-#include "march/clouds.h"
 #include "march/finite.h"
 #include "march/finite_state.h"
 #include "march/implicit_solve.h"
@@ -92,53 +91,6 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-const MpmPass *MpmMarchPass(const MpmMarch *march, PetscInt number)
-{
-  const MpmSchedule *schedule = &march->schedule;
-  const PetscInt     solve    = number - schedule->npasses - 1;
-
-  if (number < schedule->npasses) return &schedule->pass[number];
-  if (number == schedule->npasses) return &schedule->start;
-  return solve < march->scheme->table->nstiff ? march->implicit[solve]->schedule.pass : NULL;
-}
-
-static PetscInt CountPasses(const MpmMarch *march)
-{
-  PetscInt n = 0;
-
-  while (MpmMarchPass(march, n)) n++;
-  return n;
-}
-
-/* Compiles the passes for more than one dimension. */
-static PetscErrorCode CompilePlans(MpmMarch *march)
-{
-  PetscFunctionBegin;
-  if (!march->plans) PetscCall(PetscMalloc1(CountPasses(march), &march->plans));
-  for (PetscInt p = 0; MpmMarchPass(march, p); p++)
-    MpmRowPlanCompile(MpmMarchPass(march, p), march->scheme->basis, march->grid->dim, &march->plans[p]);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The same for particles that share no coordinate: jitter is in all directions, and so is a motion of their own. */
-static PetscErrorCode CompileClouds(MpmMarch *march)
-{
-  PetscInt size = 0;
-
-  PetscFunctionBegin;
-  if (march->layout->jitter == 0 && !march->particles->own) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!march->clouds) PetscCall(PetscMalloc1(CountPasses(march), &march->clouds));
-  for (PetscInt p = 0; MpmMarchPass(march, p); p++) {
-    MpmCloudPlanCompile(&march->plans[p], march->scheme->basis, march->layout->dim, march->scheme->table->nstate,
-                        &march->clouds[p]);
-    size = PetscMax(size, MpmCloudsSize(march->grid, &march->clouds[p]));
-  }
-  if (march->bundles) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscMalloc1(size, &march->bundles));
-  MpmLargePages(march->bundles, sizeof(PetscReal) * (size_t)size);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The passes have the Courant number as a factor of their operations. */
 PetscErrorCode MpmMarchSetCourant(MpmMarch *march, PetscReal courant)
 {
@@ -146,10 +98,64 @@ PetscErrorCode MpmMarchSetCourant(MpmMarch *march, PetscReal courant)
   march->courant = courant;
   PetscCall(MpmScheduleCompile(march->scheme->table, march->scheme->basis, march->layout, courant, PETSC_TRUE,
                                march->slack ? PETSC_TRUE : PETSC_FALSE, &march->schedule));
-  if (march->layout->dim > 1) {
-    PetscCall(CompilePlans(march));
-    PetscCall(CompileClouds(march));
+  if (march->engine->compile) PetscCall(march->engine->compile(march));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchGetArrays(const MpmMarch *march, PetscInt64 step, MpmMarchArrays *a)
+{
+  PetscFunctionBegin;
+  a->step = step;
+  if (march->particles->own) PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &a->id));
+  for (PetscInt d = 0; d < march->grid->dim; d++) {
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[d], &a->cell[d]));
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[d], &a->xi[d]));
+    for (PetscInt after = 0; after < 2; after++)
+      PetscCall(MpmParticlesWhere(march->particles, d, step + after, &a->whole[after][d], &a->part[after][d]));
   }
+  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
+    PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[f], &a->particle[f]));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (march->layout->varies[w]) PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[w], &a->weight[w]));
+  for (PetscInt f = 0; f < march->nnodes; f++) PetscCall(MpmGridGetArray(march->grid, march->node[f], &a->node[f]));
+  PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &a->sum[MPM_MASSES]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchRestoreArrays(const MpmMarch *march, MpmMarchArrays *a)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &a->sum[MPM_MASSES]));
+  for (PetscInt f = 0; f < march->nnodes; f++) PetscCall(MpmGridRestoreArray(march->grid, march->node[f], &a->node[f]));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+    if (march->layout->varies[w]) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[w], &a->weight[w]));
+  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
+    PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[f], &a->particle[f]));
+  for (PetscInt d = 0; d < march->grid->dim; d++) {
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[d], &a->xi[d]));
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[d], &a->cell[d]));
+  }
+  if (march->particles->own) PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &a->id));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmMarchPlaces(const MpmMarchArrays *a, PetscInt axis, PetscInt n, const PetscInt cell0[], const PetscReal xi0[],
+                    PetscInt after, PetscInt cell[], PetscReal xi[])
+{
+  if (a->march->particles->drift[axis].value != 0) {
+    MpmPlaceBlock(n, cell0, xi0, a->whole[after][axis], a->part[after][axis], cell, xi);
+    return;
+  }
+  for (PetscInt p = 0; p < n; p++) {
+    cell[p] = cell0[p];
+    xi[p]   = xi0[p];
+  }
+}
+
+PetscErrorCode MpmMarchStart(MpmMarch *march)
+{
+  PetscFunctionBegin;
+  PetscCall(march->engine->start(march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -212,6 +218,7 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   PetscFunctionBegin;
   m->layout     = layout;
   m->scheme     = scheme;
+  m->engine     = layout->march == MPM_MARCH_PLAIN ? &MpmPlainMarch : &MpmFastMarch;
   m->cell_width = 1;
   m->courant    = step->courant;
   for (PetscInt a = 0; a < layout->dim; a++) m->velocity[a] = step->drift[a].value / step->courant;
@@ -227,13 +234,9 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
     PetscCall(PetscNew(&m->relax));
     m->relax->least = 1;
   }
-  if (layout->dim > 1) {
-    PetscCall(CompilePlans(m));
-    PetscCall(CompileClouds(m));
-  }
-  PetscCall(MpmRowsFind(m));
+  if (m->engine->compile) PetscCall(m->engine->compile(m));
   PetscCall(CreateVectors(m));
-  PetscCall(PetscMalloc1((scheme->table->nparticles - scheme->table->nstate) * MPM_BLOCK, &m->scratch));
+  if (m->engine->placed) PetscCall(m->engine->placed(m));
   PetscCall(RegisterEvents(m));
   if (MpmTableHas(scheme->table, MPM_SOLVE))
     PetscCall(MpmNodalSolveCreate(layout, scheme->basis, m->grid, &m->nodal_solve));
@@ -256,7 +259,7 @@ PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **m
     m->exponent = MpmSceneExponent(scene);
     PetscCall(MpmParticlesFill(scene, m->exponent, m->particles));
   }
-  PetscCall(MpmMarchRunPasses(m, 1, &m->schedule.start, PETSC_FALSE));
+  PetscCall(MpmMarchStart(m));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -269,7 +272,7 @@ PetscErrorCode MpmMarchFillRandom(MpmMarch *march, PetscReal amplitude)
     march->exponent = ilogb(amplitude);
     PetscCall(MpmParticlesFillRandom(march->layout->seed, scalbn(amplitude, -(int)march->exponent), march->particles));
   }
-  PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
+  PetscCall(MpmMarchStart(march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -296,11 +299,7 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
   PetscCall(VecDestroy(&(*march)->inverse_mass));
   PetscCall(PetscFree((*march)->watch));
   PetscCall(MpmRelaxDestroy(&(*march)->relax));
-  PetscCall(PetscFree((*march)->scratch));
-  PetscCall(PetscFree((*march)->plans));
-  PetscCall(PetscFree((*march)->row));
-  PetscCall(PetscFree((*march)->clouds));
-  PetscCall(PetscFree((*march)->bundles));
+  if ((*march)->engine->destroy) PetscCall((*march)->engine->destroy(*march));
   PetscCall(MpmNodalSolveDestroy(&(*march)->nodal_solve));
   for (PetscInt i = 0; i < MPM_MAX_STIFF; i++) PetscCall(MpmImplicitSolveDestroy(&(*march)->implicit[i]));
   PetscCall(MpmScheduleDestroy(&(*march)->schedule));
@@ -357,7 +356,7 @@ static PetscErrorCode Migrate(MpmMarch *march)
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(march->migrate_event, 0, 0, 0, 0));
   PetscCall(MpmParticlesRebase(march->particles, march->grid));
-  PetscCall(MpmRowsFind(march));
+  if (march->engine->placed) PetscCall(march->engine->placed(march));
   PetscCall(PetscLogEventEnd(march->migrate_event, 0, 0, 0, 0));
   march->fullest = PetscMax(march->fullest, march->particles->count);
   march->migrations++;
@@ -365,7 +364,7 @@ static PetscErrorCode Migrate(MpmMarch *march)
 }
 
 /*
-   Ends a pass after which particles are at new places, each by its own velocity. They migrate before one could go beyond
+   Particles are at new places, each by its own velocity. They migrate before one could go beyond
    the ghost layer in the next step. They are sorted every few steps. A state that has been relaxed is summed to the grid
    anew, if it has been already.
 */
@@ -376,13 +375,23 @@ static PetscErrorCode Follow(MpmMarch *march, PetscBool summed)
 
   PetscFunctionBegin;
   if (march->relax) PetscCall(MpmRelaxEnd(march, &scaled));
-  if (scaled && summed) PetscCall(MpmMarchRunPasses(march, 1, &march->schedule.start, PETSC_FALSE));
+  if (scaled && summed) PetscCall(MpmMarchStart(march));
   PetscCall(MpmFiniteAgree(march, &beyond));
   if (march->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
   if (beyond + 1 > march->slack)
     PetscCall(Migrate(march));
   else if (march->particles->step % SORT_EVERY == 0)
     PetscCall(MpmParticlesSortIfNeeded(march->particles, march->grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchMoved(MpmMarch *march, PetscBool summed)
+{
+  PetscFunctionBegin;
+  if (march->watch)
+    PetscCall(Follow(march, summed));
+  else if (!march->slack)
+    PetscCall(Migrate(march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -409,67 +418,11 @@ PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
   if (march->watch) MpmFiniteForget(march);
   if (march->relax) PetscCall(MpmRelaxBegin(march));
   if (sample) PetscCall(PetscArrayzero(march->squares, MPM_MAX_FIELDS));
-  for (PetscInt p = 0, n; p < march->schedule.npasses; p += n) {
-    const MpmPass *pass = &march->schedule.pass[p];
-
-    for (n = 1; p + n < march->schedule.npasses && pass[n].joined; n++) continue;
-    PetscCall(MpmMarchRunPasses(march, n, pass, sample));
-    if (pass[n - 1].drifts && march->watch)
-      PetscCall(Follow(march, pass[n - 1].rebase ? PETSC_FALSE : PETSC_TRUE));
-    else if (pass[n - 1].rebase)
-      PetscCall(Migrate(march));
-    if (march->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  PetscCall(march->engine->step(march, sample));
+  if (march->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
   march->step++;
   march->elapsed += march->courant;
   if (!march->watch) PetscCall(MigrateInTime(march));
   PetscCall(MpmFloatEnd(PetscObjectComm((PetscObject)march->grid->da), &march->float_check, "march", march->step));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   P2G of one particle field with the particles at the places of a step. With with_mass it also sets inverse_mass, the
-   inverses of the nodal masses there.
-*/
-static PetscErrorCode Project(MpmMarch *march, PetscInt field, PetscInt64 step, PetscBool with_mass, Vec inverse_mass,
-                              Vec node)
-{
-  const MpmBasis      *basis = march->scheme->basis;
-  MpmParity            parity[1][MPM_MAX_DIM];
-  const MpmPass        project = {.nops      = 1,
-                                  .nsums     = 1,
-                                  .sums_mass = with_mass,
-                                  .op        = {{.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
-                                                 .map         = MPM_P2G,
-                                                 .kernel      = basis->kernel[MPM_P2G],
-                                                 .mass_kernel = basis->p2g_mass,
-                                                 .a           = 1,
-                                                 .particle    = field,
-                                                 .to_nodes    = PETSC_TRUE,
-                                                 .weight      = MpmLayoutWeight(march->layout, MPM_P2G)}}};
-  Vec                  spare   = NULL;
-  const MpmNodeVectors nodes   = {.n            = 1,
-                                  .node         = &node,
-                                  .spare        = &spare,
-                                  .inverse_mass = inverse_mass,
-                                  .parity       = (const MpmParity(*)[MPM_MAX_DIM])parity};
-
-  PetscFunctionBegin;
-  PetscCall(PetscArraycpy(parity[0], MpmTableParity(march->scheme->table, field), MPM_MAX_DIM));
-  PetscCall(MpmMarchRunPassesOn(march, &nodes, &step, 1, &project, PETSC_FALSE));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)
-{
-  PetscFunctionBegin;
-  PetscCall(Project(march, field, march->particles->step, PETSC_FALSE, march->inverse_mass, node));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmMarchProjectNext(MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node)
-{
-  PetscFunctionBegin;
-  PetscCall(Project(march, field, march->particles->step + 1, PETSC_TRUE, inverse_mass, node));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,89 +1,126 @@
-/* The part of a pass that concerns nodes alone: images beyond walls, operations between node fields. */
+/* What a march does on nodes alone, row by row of nodes. */
 #include "march/march_nodes.h"
 
-void MpmMarchFold(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM], const MpmPass *pass,
-                  PetscReal *const field[], PetscReal mass[])
+/* Folds the sums of a field at images beyond walls, or sets the images. One axis comes after the other. */
+static void Images(const MpmMarch *march, const MpmParity parity[], PetscBool fold, PetscReal array[])
 {
-  const PetscReal even[2] = {1, 1};
-  PetscReal       sign[2];
+  for (PetscInt d = 0; d < march->grid->dim; d++) {
+    PetscReal sign[2];
 
-  for (PetscInt s = 0; s < pass->nsums; s++) {
-    MpmDirectionMirror(&march->layout->grid[0], parity[pass->sum[s]][0], sign);
-    MpmGridFold(march->grid, 0, sign, field[pass->sum[s]]);
-  }
-  if (pass->sums_mass) MpmGridFold(march->grid, 0, even, mass);
-}
-
-void MpmMarchReflect(const MpmMarch *march, const MpmParity parity[][MPM_MAX_DIM], const MpmPass *pass,
-                     PetscReal *const field[])
-{
-  PetscReal sign[2];
-
-  for (PetscInt s = 0; s < pass->nsums; s++) {
-    MpmDirectionMirror(&march->layout->grid[0], parity[pass->sum[s]][0], sign);
-    MpmGridReflect(march->grid, 0, sign, field[pass->sum[s]]);
+    MpmDirectionMirror(&march->layout->grid[d], parity[d], sign);
+    if (fold)
+      MpmGridFold(march->grid, d, sign, array);
+    else
+      MpmGridReflect(march->grid, d, sign, array);
   }
 }
 
-/* Sets the wall node of one end, if it is among this rank's nodes and ghosts. */
-static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
+PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const sums[], const MpmParity *const parity[],
+                           PetscBool with_mass, PetscReal mass[])
 {
-  const PetscInt wall = (op->side ? grid->axis[0].all - 1 : 0) - grid->axis[0].first;
-
-  if (wall >= -grid->ghost && wall < grid->axis[0].nodes + grid->ghost) dst[wall] = op->a == 0 ? 0 : op->a * src[wall];
-}
-
-/* Does a local node operation (MpmNodeOpIsLocal) on nodes [lo, hi). */
-static void RunLocal(const MpmNodeOp *op, PetscReal *const field[], PetscInt lo, PetscInt hi)
-{
-  if (op->dst == op->src)
-    MpmScale(hi - lo, op->a, field[op->dst] + lo);
-  else if (op->kind == MPM_LAP && op->accumulates)
-    MpmNodeAddLaplacian(lo, hi, op->a, field[op->src], field[op->dst]);
-  else if (op->kind == MPM_LAP)
-    MpmNodeLaplacian(lo, hi, op->a, field[op->src], field[op->dst]);
-  else if (op->accumulates)
-    MpmNodeAdd(lo, hi, op->a, field[op->src], field[op->dst]);
-  else
-    MpmNodeCopy(lo, hi, op->a, field[op->src], field[op->dst]);
-}
-
-void MpmMarchFollowNodes(const MpmPass *pass, PetscReal *const field[], PetscInt lo, PetscInt hi, MpmNodesDone done[])
-{
-  PetscInt reach  = 0,
-           margin = 0; /* reach of the operations so far; distance of the present one from the ends of [lo, hi) */
-
-  for (PetscInt o = 0; o < pass->nnode_ops && MpmNodeOpIsLocal(pass->node_op[o].kind); o++) {
-    reach = PetscMax(reach, MpmOpTraitsOf(pass->node_op[o].kind).halo);
-    margin += reach;
-    if (hi - margin <= PetscMax(done[o].hi, lo + margin)) return;
-    if (done[o].lo == done[o].hi) done[o].lo = done[o].hi = lo + margin;
-    RunLocal(&pass->node_op[o], field, done[o].hi, hi - margin);
-    done[o].hi = hi - margin;
-  }
-}
-
-PetscErrorCode MpmMarchNodeOps(const MpmMarch *march, PetscInt64 step, const MpmPass *pass, PetscReal *const field[],
-                               const PetscReal inverse_mass[], const MpmPlaces *places, const MpmNodesDone done[],
-                               PetscInt *next)
-{
-  const MpmGrid *grid = march->grid;
+  static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
+  const MpmGrid         *grid              = march->grid;
+  const MpmGridBox       box               = MpmGridBoxOf(grid, grid->ghost);
+  const PetscInt         nodes             = box.hi[0] - box.lo[0];
+  PetscReal             *all[MPM_MAX_FIELDS + 1];
 
   PetscFunctionBegin;
-  for (; *next < pass->nnode_ops && pass->node_op[*next].kind != MPM_IMPLICIT; ++*next) {
-    const PetscInt   o      = *next;
-    const MpmNodeOp *op     = &pass->node_op[o];
-    const PetscInt   beyond = grid->ghost - op->depth;
+  PetscCall(PetscLogEventBegin(march->sum_event, 0, 0, 0, 0));
+  for (PetscInt f = 0; f < n; f++) Images(march, parity[f], PETSC_TRUE, all[f] = sums[f]);
+  if (with_mass) Images(march, even, PETSC_TRUE, all[n] = mass);
+  PetscCall(MpmGridSum(grid, n + (with_mass ? 1 : 0), all));
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+    const PetscInt row = MpmGridRow(grid, &box, r) + box.lo[0];
+    PetscReal     *m   = mass + row;
 
-    if (MpmNodeOpIsLocal(op->kind)) {
-      RunLocal(op, field, -beyond, done[o].lo);
-      RunLocal(op, field, done[o].hi, grid->axis[0].nodes + beyond);
-    } else if (op->kind == MPM_WALL)
-      SetWall(grid, op, field[op->src], field[op->dst]);
-    else
-      PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, step, places,
-                                   march->scheme->table->parity[op->dst], inverse_mass, field[op->src],
-                                   field[op->dst]));
+    if (with_mass)
+      for (PetscInt i = 0; i < nodes; i++) m[i] = m[i] > 0 ? 1 / m[i] : 0;
+    for (PetscInt f = 0; f < n; f++) {
+      PetscReal *restrict q = sums[f] + row;
+
+      for (PetscInt i = 0; i < nodes; i++) q[i] *= m[i];
+    }
   }
+  for (PetscInt f = 0; f < n; f++) Images(march, parity[f], PETSC_FALSE, sums[f]);
+  PetscCall(PetscLogEventEnd(march->sum_event, 0, 0, 0, 0));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNodesRefresh(const MpmMarch *march, const MpmParity parity[], PetscReal field[])
+{
+  const MpmGrid   *grid = march->grid;
+  const MpmGridBox own = MpmGridBoxOf(grid, 0), box = MpmGridBoxOf(grid, grid->ghost);
+  PetscInt         at[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (at[2] = box.lo[2]; at[2] < box.hi[2]; at[2]++)
+    for (at[1] = box.lo[1]; at[1] < box.hi[1]; at[1]++)
+      for (at[0] = box.lo[0]; at[0] < box.hi[0]; at[0]++) {
+        PetscInt ghost = 0, node = at[0];
+
+        for (PetscInt a = 0; a < grid->dim; a++) ghost |= at[a] < own.lo[a] || at[a] >= own.hi[a];
+        for (PetscInt a = 1; a < grid->dim; a++) node += grid->axis[a].stride * at[a];
+        if (ghost) field[node] = 0; /* so that the sum of all copies is the owner's value */
+      }
+  PetscCall(MpmGridSum(grid, 1, &field));
+  Images(march, parity, PETSC_FALSE, field);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void RunRow(const MpmNodeOp *op, PetscInt stride, PetscInt n, const PetscReal *restrict f,
+                   PetscReal *restrict out)
+{
+  const PetscReal a = op->a;
+
+  if (op->kind == MPM_LAP && op->accumulates)
+    for (PetscInt i = 0; i < n; i++) out[i] += a * ((f[i + stride] - f[i]) - (f[i] - f[i - stride]));
+  else if (op->kind == MPM_LAP)
+    for (PetscInt i = 0; i < n; i++) out[i] = a * ((f[i + stride] - f[i]) - (f[i] - f[i - stride]));
+  else if (op->accumulates)
+    MpmNodeAdd(0, n, a, f, out);
+  else
+    MpmNodeCopy(0, n, a, f, out);
+}
+
+/* Sets the nodes on one wall, if they are among this rank's nodes and ghosts. */
+static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
+{
+  const MpmGridAxis *axis = &grid->axis[op->axis];
+  const PetscInt     wall = (op->side ? axis->all - 1 : 0) - axis->first;
+  MpmGridBox         box  = MpmGridBoxOf(grid, grid->ghost);
+
+  if (wall < -grid->ghost || wall >= axis->nodes + grid->ghost) return;
+  box.lo[op->axis] = wall;
+  box.hi[op->axis] = wall + 1;
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+    const PetscInt row = MpmGridRow(grid, &box, r);
+
+    for (PetscInt i = row + box.lo[0]; i < row + box.hi[0]; i++) dst[i] = op->a == 0 ? 0 : op->a * src[i];
+  }
+}
+
+PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmNodeOp *op, PetscInt64 step, PetscReal *const field[])
+{
+  const MpmMarch  *march  = arrays->march;
+  const MpmGrid   *grid   = march->grid;
+  const MpmGridBox box    = MpmGridBoxOf(grid, grid->ghost - op->depth);
+  const MpmPlaces  places = MpmMarchRest(arrays);
+
+  PetscFunctionBegin;
+  if (op->kind == MPM_WALL)
+    SetWall(grid, op, field[op->src], field[op->dst]);
+  else if (op->kind == MPM_SOLVE)
+    PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, step, &places,
+                                 march->scheme->table->parity[op->dst], arrays->sum[MPM_MASSES], field[op->src],
+                                 field[op->dst]));
+  else
+    for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+      const PetscInt at = MpmGridRow(grid, &box, r) + box.lo[0];
+
+      if (op->dst == op->src)
+        MpmScale(box.hi[0] - box.lo[0], op->a, field[op->dst] + at);
+      else
+        RunRow(op, grid->axis[op->axis].stride, box.hi[0] - box.lo[0], field[op->src] + at, field[op->dst] + at);
+    }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,7 +7,8 @@
 #include "march/passes.h"
 #include <mpmstab/march.h>
 
-typedef struct MpmRowPlan_       MpmRowPlan;       /* a pass compiled for more than one dimension (march/rows.h) */
+typedef struct MpmMarchEngine_   MpmMarchEngine;
+typedef struct MpmRowPlan_       MpmRowPlan;       /* a pass compiled for rows of particles (march/rows.h) */
 typedef struct MpmImplicitSolve_ MpmImplicitSolve; /* march/implicit_solve.h */
 typedef struct MpmWatch_ MpmWatch; /* what passes find out about particles that move each by itself (march/finite.h) */
 typedef struct MpmRelax_ MpmRelax; /* the increments of a step (march/relax.h) */
@@ -29,33 +30,34 @@ typedef struct {
    digit, so that it can be followed for any number of steps.
 S*/
 struct MpmMarch_ {
-  const MpmScene   *scene; /* units, exact solution and output; NULL: random data, which have none of these */
-  const MpmLayout  *layout;
-  const MpmScheme  *scheme;
-  PetscReal         cell_width;                     /* 1 without a scene */
-  PetscReal         courant, velocity[MPM_MAX_DIM]; /* at finite deformation: of a step, and of the start over c */
-  PetscReal         elapsed;                        /* where steps differ: the sum of their Courant numbers */
-  MpmGrid          *grid;
-  MpmParticles     *particles;
-  MpmSchedule       schedule;
-  MpmRowPlan       *plans;  /* in more than one dimension: of the passes, and of the start after them */
-  MpmRow           *row;    /* the rows of the particles, and where the last one ends; nrows are there */
-  MpmCloudPlan     *clouds; /* the same where particles share no coordinate, or NULL; bundles: memory for them */
-  PetscReal        *bundles;
-  PetscInt          nnodes, slack, nrows;
-  PetscInt          fullest; /* the largest number of particles that this rank has had */
-  Vec               node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
-  MpmNodalSolve    *nodal_solve;                                               /* NULL: the table has no SOLVE */
-  MpmImplicitSolve *implicit[MPM_MAX_STIFF]; /* of the tables of K that the table has */
-  PetscInt64        step, migrations;
-  PetscInt          exponent;
-  MpmWatch         *watch;                   /* NULL where particles do not move each by itself */
-  MpmRelax         *relax;                   /* NULL where steps are not relaxed */
-  char              failure[512];            /* what has happened to a particle, or to a solve; empty: nothing */
-  PetscReal        *scratch;                 /* MPM_BLOCK numbers for each scratch register of the particles */
-  PetscReal         squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
-  PetscLogEvent     pass_event, sum_event, migrate_event;
-  MpmFloatCheck     float_check;
+  const MpmMarchEngine *engine;
+  const MpmScene       *scene; /* units, exact solution and output; NULL: random data, which have none of these */
+  const MpmLayout      *layout;
+  const MpmScheme      *scheme;
+  PetscReal             cell_width;                     /* 1 without a scene */
+  PetscReal             courant, velocity[MPM_MAX_DIM]; /* at finite deformation: of a step, and of the start over c */
+  PetscReal             elapsed;                        /* where steps differ: the sum of their Courant numbers */
+  MpmGrid              *grid;
+  MpmParticles         *particles;
+  MpmSchedule           schedule;
+  MpmRowPlan           *plans;  /* of the fast march: of the passes, of the start after them, and of each K */
+  MpmRow               *row;    /* the rows of the particles, and where the last one ends; nrows are there */
+  MpmCloudPlan         *clouds; /* the same where particles share no coordinate, or NULL; bundles: memory for them */
+  PetscReal            *bundles;
+  PetscInt              nnodes, slack, nrows;
+  PetscInt              fullest; /* the largest number of particles that this rank has had */
+  Vec                   node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
+  MpmNodalSolve        *nodal_solve;                                               /* NULL: the table has no SOLVE */
+  MpmImplicitSolve     *implicit[MPM_MAX_STIFF]; /* of the tables of K that the table has */
+  PetscInt64            step, migrations;
+  PetscInt              exponent;
+  MpmWatch             *watch;                   /* NULL where particles do not move each by itself */
+  MpmRelax             *relax;                   /* NULL where steps are not relaxed */
+  char                  failure[512];            /* what has happened to a particle, or to a solve; empty: nothing */
+  PetscReal            *scratch;                 /* MPM_BLOCK numbers for each scratch register of the particles */
+  PetscReal             squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
+  PetscLogEvent         pass_event, sum_event, migrate_event;
+  MpmFloatCheck         float_check;
 };
 
 /*
@@ -116,38 +118,75 @@ PetscErrorCode MpmMarchCreateRandom(MPI_Comm comm, const MpmLayout *layout, cons
                                     const MpmStep *step, PetscReal amplitude, MpmMarch **march);
 
 /*S
-   MpmNodeVectors - the node fields that passes sum to and read, as n local vectors.
+   MpmMarchEngine_ - how a march is run: the plain one, or one that is faster.
 
-   spare         - spare[f]: a second array for a field that is summed while it is read, or NULL
-   parity        - parity[f]: what the field is beyond the ends of each direction
-   inverse_mass  - passes that sum masses set it, and others read it
+   compile   - what it makes for a Courant number, or NULL; placed: when places have changed, or NULL; destroy: of these
+   start     - what comes before the first step: nodes get what particles give them
+   step      - all operations of a table. After each DRIFT or ADVANCE it calls MpmMarchMoved. A failure of the march ends it.
+   stiffness - image = K solved, with table i of the K, at the places of a step
+
+   Collective.
+S*/
+struct MpmMarchEngine_ {
+  PetscErrorCode (*compile)(MpmMarch *march);
+  PetscErrorCode (*placed)(MpmMarch *march);
+  PetscErrorCode (*start)(MpmMarch *march);
+  PetscErrorCode (*step)(MpmMarch *march, PetscBool sample);
+  PetscErrorCode (*stiffness)(MpmMarch *march, PetscInt64 step, PetscInt i);
+  PetscErrorCode (*destroy)(MpmMarch *march);
+};
+extern const MpmMarchEngine MpmPlainMarch, MpmFastMarch;
+
+/* Collective. What comes before the first step. It is called again when the state or the Courant number was set. */
+PetscErrorCode MpmMarchStart(MpmMarch *march);
+
+/* Collective. The particles have moved: they migrate if need be. summed: nodes have what particles give to the next step. */
+PetscErrorCode MpmMarchMoved(MpmMarch *march, PetscBool summed);
+
+/* The node field that stands for the nodal masses. */
+#define MPM_MASSES MPM_MAX_FIELDS
+
+/*S
+   MpmMarchArrays - the particles and nodes of a march while it works on them.
+
+   id          - of particles that move each by itself
+   step        - that of the places; whole[after], part[after]: the drift since rest there, and a step later
+   node, sum   - node fields, and the arrays that are summed to: sum[MPM_MASSES] are the inverse nodal masses, the fast march
+                 sets the others
 S*/
 typedef struct {
-  PetscInt n;
-  Vec     *node, *spare, inverse_mass;
-  const MpmParity (*parity)[MPM_MAX_DIM];
-} MpmNodeVectors;
+  const MpmMarch   *march;
+  const MpmRowPlan *plan;
+  PetscBool         sample;
+  PetscInt         *cell[MPM_MAX_DIM], whole[2][MPM_MAX_DIM];
+  PetscInt64       *id, step;
+  PetscReal        *xi[MPM_MAX_DIM], part[2][MPM_MAX_DIM], *squares;
+  PetscReal        *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
+  PetscReal        *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS + 1];
+} MpmMarchArrays;
+
+/* Not collective. The arrays with the particles at the places of a step; a march gets them once at a time. */
+PetscErrorCode MpmMarchGetArrays(const MpmMarch *march, PetscInt64 step, MpmMarchArrays *arrays);
+PetscErrorCode MpmMarchRestoreArrays(const MpmMarch *march, MpmMarchArrays *arrays);
+
+/* Not collective. What a nodal solve needs of them. */
+static inline MpmPlaces MpmMarchRest(const MpmMarchArrays *arrays)
+{
+  MpmPlaces places = {.mass = arrays->weight[MPM_MASS]};
+
+  for (PetscInt a = 0; a < arrays->march->layout->dim; a++) {
+    places.cell[a] = arrays->cell[a];
+    places.xi[a]   = arrays->xi[a];
+  }
+  return places;
+}
 
 /*
-   MpmMarchRunPasses - runs n passes, of which the others are joined to the first, with halo sums and the node
-   operations of the last.
-
-   Collective. DRIFT moves the step of the particles on. The caller migrates particles. MpmMarchRunPassesOn does the
-   same on any node fields, with particles at the places of any step, which it moves on.
+   Not collective. Moves n particles from their resting places along an axis on to those of the step, or after it. Along
+   an axis without drift they stay exactly where they are, also those just left of a wall.
 */
-PetscErrorCode MpmMarchRunPasses(MpmMarch *march, PetscInt n, const MpmPass passes[], PetscBool sample);
-PetscErrorCode MpmMarchRunPassesOn(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, PetscInt n,
-                                   const MpmPass passes[], PetscBool sample);
-
-/* Collective. As MpmMarchRunPassesOn, for one pass in two or three dimensions. */
-PetscErrorCode MpmMarchRunRows(MpmMarch *march, const MpmNodeVectors *nodes, PetscInt64 *step, const MpmPass *pass,
-                               PetscBool sample);
-
-/* Not collective. The passes that have plans: those of the schedule, its start, and that of each solve. NULL after the last. */
-const MpmPass *MpmMarchPass(const MpmMarch *march, PetscInt number);
-
-/* Not collective. Finds the rows of the particles, if passes go through rows. It is called when places have changed. */
-PetscErrorCode MpmRowsFind(MpmMarch *march);
+void MpmMarchPlaces(const MpmMarchArrays *arrays, PetscInt axis, PetscInt n, const PetscInt cell0[],
+                    const PetscReal xi0[], PetscInt after, PetscInt cell[], PetscReal xi[]);
 
 /* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
 PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);

@@ -88,22 +88,18 @@ static PetscErrorCode SetRestingCells(MpmParticles *particles, const MpmGridAxis
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* order[i] is the i-th particle by (cell, xi, id): a counting sort by cell, then an insertion sort within a cell. */
+/* order[i] is the i-th particle by (cell, xi, id): a sort by cell, then an insertion sort within a cell. */
 static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *grid, PetscInt order[])
 {
   const PetscInt64 *id;
   const PetscReal  *xi;
   const PetscInt   *cell;
-  PetscInt         *next;
 
   PetscFunctionBegin;
+  PetscCall(MpmParticlesCellOrder(particles, grid, order));
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
   PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
-  PetscCall(PetscCalloc1(grid->axis[0].count + 2, &next)); /* for cells -1 to count - 1, and the end */
-  for (PetscInt p = 0; p < particles->count; p++) next[cell[p] + 2]++;
-  for (PetscInt c = 0; c <= grid->axis[0].count; c++) next[c + 1] += next[c];
-  for (PetscInt p = 0; p < particles->count; p++) order[next[cell[p] + 1]++] = p;
   for (PetscInt i = 1; i < particles->count; i++) {
     const PetscInt p = order[i];
     PetscInt       j = i;
@@ -116,7 +112,6 @@ static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *gr
     }
     order[j] = p;
   }
-  PetscCall(PetscFree(next));
   PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
   PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
   PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
@@ -245,6 +240,5 @@ PetscErrorCode MpmParticlesRebase(MpmParticles *particles, const MpmGrid *grid)
     particles->rebased[a] += whole[a];
   }
   PetscCall(MpmParticlesSort(particles, grid));
-  PetscCall(MpmParticlesComparePlaces(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -189,27 +189,6 @@ PetscErrorCode MpmParticlesWeigh(MpmParticles *particles)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles)
-{
-  const PetscInt   n        = particles->count;
-  PetscInt         per_cell = 1, differ = 0;
-  const PetscInt  *cell;
-  const PetscReal *xi;
-
-  PetscFunctionBegin;
-  particles->per_cell = 0;
-  if (particles->layout->dim > 1 || particles->own) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
-  while (per_cell < n && xi[per_cell] != xi[0]) per_cell++;
-  for (PetscInt p = per_cell; p < n && !differ; p++)
-    differ = cell[p] != cell[p - per_cell] + 1 || xi[p] != xi[p - per_cell];
-  particles->per_cell = per_cell >= n || per_cell > MPM_BLOCK || differ ? 0 : per_cell;
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Every pass goes through all of these arrays. */
 static PetscErrorCode UseLargePages(MpmParticles *particles)
 {
@@ -258,7 +237,6 @@ PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table
   PetscCheck(size == (*particles)->total, PetscObjectComm((PetscObject)grid->da), PETSC_ERR_PLIB,
              "%" PetscInt_FMT " particles placed of %" PetscInt64_FMT, size, (*particles)->total);
   PetscCall(UseLargePages(*particles));
-  PetscCall(MpmParticlesComparePlaces(*particles));
   PetscCall(MpmParticlesWeigh(*particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

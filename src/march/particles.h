@@ -26,10 +26,9 @@ typedef struct {
   const MpmLayout *layout;
   const MpmTable  *table;
   MpmFraction      drift[MPM_MAX_DIM];
-  PetscInt         count;    /* number of particles on this rank */
-  PetscInt         per_cell; /* in one dimension: particle p + per_cell rests a cell on from p, for all p; 0: not so */
-  PetscInt64       total;    /* number of particles on all ranks */
-  PetscInt64       step;     /* time step of the places */
+  PetscInt         count;                /* number of particles on this rank */
+  PetscInt64       total;                /* number of particles on all ranks */
+  PetscInt64       step;                 /* time step of the places */
   PetscInt64       rebased[MPM_MAX_DIM]; /* whole cells of drift that are in the cell fields */
   PetscBool        parallel, own;
 } MpmParticles;
@@ -70,9 +69,6 @@ PetscErrorCode MpmParticlesWeigh(MpmParticles *particles);
    swarm would allocate all arrays anew with each particle that leaves.
 */
 PetscInt MpmParticlesRoom(const MpmParticles *particles);
-
-/* Not collective. Sets per_cell. It is called when places have changed. */
-PetscErrorCode MpmParticlesComparePlaces(MpmParticles *particles);
 
 /*
    Not collective. The drift along an axis from the swarm's (cell, xi) to the places at a step: whole cells, and part in

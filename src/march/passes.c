@@ -43,16 +43,14 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
 
   PetscFunctionBegin;
   PetscCheck(!with_mass || op->kind == MPM_P2G, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no P2G before another sum");
-  PetscCall(Append(pass, (MpmPassOp){.kind        = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
-                                     .map         = op->kind,
-                                     .axis        = op->axis,
-                                     .kernel      = c->basis->kernel[op->kind],
-                                     .mass_kernel = c->basis->p2g_mass,
-                                     .a           = MpmOpValue(op, c->courant),
-                                     .particle    = particle,
-                                     .node        = node,
-                                     .to_nodes    = to_nodes,
-                                     .weight      = MpmLayoutWeight(c->layout, op->kind)}));
+  PetscCall(Append(pass, (MpmPassOp){.kind     = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
+                                     .map      = op->kind,
+                                     .axis     = op->axis,
+                                     .a        = MpmOpValue(op, c->courant),
+                                     .particle = particle,
+                                     .node     = node,
+                                     .to_nodes = to_nodes,
+                                     .weight   = MpmLayoutWeight(c->layout, op->kind)}));
   if (with_mass) {
     pass->sums_mass = PETSC_TRUE;
     c->mass_due     = PETSC_FALSE;
@@ -143,20 +141,9 @@ static void NoteHeld(Compiler *c, const MpmOp *op)
 /* The operation of a pass for one on particles alone. */
 static MpmPassOpKind KindOf(const MpmOp *op)
 {
-  switch (op->kind) {
-  case MPM_STRESS:
-    return MPM_PASS_STRESS;
-  case MPM_LOAD:
-    return MPM_PASS_LOAD;
-  case MPM_STRETCH:
-    return MPM_PASS_STRETCH;
-  case MPM_ADVANCE:
-    return MPM_PASS_ADVANCE;
-  case MPM_DRIFT:
-    return MPM_PASS_DRIFT;
-  default:
-    return op->kind == MPM_ADD && op->dst != op->src ? MPM_PASS_ADD : MPM_PASS_SCALE;
-  }
+  if (op->kind == MPM_DRIFT) return MPM_PASS_DRIFT;
+  if (op->kind != MPM_ADD && op->kind != MPM_SCALE) return MPM_PASS_FINITE;
+  return op->kind == MPM_ADD && op->dst != op->src ? MPM_PASS_ADD : MPM_PASS_SCALE;
 }
 
 static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
@@ -166,12 +153,13 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 
   PetscFunctionBegin;
   if (traits.dst == MPM_NOWHERE) {
-    PetscCall(Append(pass, (MpmPassOp){.kind = KindOf(op), .particle = PetscMax(op->src, 0)}));
+    PetscCall(Append(pass, (MpmPassOp){.kind = KindOf(op), .map = op->kind, .particle = PetscMax(op->src, 0)}));
     pass->drifts = PETSC_TRUE;
     pass->rebase = c->fused ? PETSC_FALSE : PETSC_TRUE;
     c->mass_due  = PETSC_TRUE;
   } else if (traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_PARTICLES)
     PetscCall(Append(pass, (MpmPassOp){.kind     = KindOf(op),
+                                       .map      = op->kind,
                                        .particle = op->dst,
                                        .other    = op->src,
                                        .a = MpmOpValue(op, c->courant) + (op->kind == MPM_ADD && itself ? 1 : 0)}));
@@ -185,17 +173,13 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   The number of operations before the particles first read the grid or move, all of which one pass can do: its sums come
-   before its operations on nodes, so none may begin anew in a field that has been set or read.
-*/
-static PetscInt HeadLength(const MpmOpList *ops)
+PetscInt MpmHeadLength(PetscInt nops, const MpmOp ops[])
 {
   PetscBool used[MPM_MAX_FIELDS] = {PETSC_FALSE};
   PetscInt  h                    = 0;
 
-  for (; h < ops->n; h++) {
-    const MpmOp      *op     = &ops->op[h];
+  for (; h < nops; h++) {
+    const MpmOp      *op     = &ops[h];
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
 
     if (op->kind == MPM_STRESS || op->kind == MPM_LOAD) continue; /* they need nothing but the particles */
@@ -240,30 +224,6 @@ static PetscErrorCode InsertSamples(const MpmTable *t, MpmSchedule *schedule)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   A pass joins the one before it when no operation comes between them and no field is summed twice. A joined pass stays
-   behind the nodes that the pass before it is done with. So only a field that a pass both reads and sums needs a second
-   array. Particles that are in no order of their places have no nodes to stay behind of.
-*/
-static void JoinPasses(MpmSchedule *schedule, PetscBool ordered)
-{
-  PetscInt first = 0; /* pass of the group */
-
-  for (PetscInt p = 0; p < schedule->npasses; p++) {
-    MpmPass *pass = &schedule->pass[p];
-
-    pass->joined = ordered && p > 0 && !pass[-1].nnode_ops && !pass[-1].rebase && p - first < MPM_MAX_JOINED
-                       ? PETSC_TRUE
-                       : PETSC_FALSE;
-    for (PetscInt s = 0; s < pass->nsums; s++) {
-      for (PetscInt q = first; q < p; q++)
-        if (Sums(&schedule->pass[q], pass->sum[s])) pass->joined = PETSC_FALSE;
-      if (Reads(pass, pass->sum[s])) schedule->spare[pass->sum[s]] = PETSC_TRUE;
-    }
-    if (!pass->joined) first = p;
-  }
-}
-
 static PetscErrorCode NewPass(MpmSchedule *schedule, MpmPass **pass)
 {
   PetscFunctionBegin;
@@ -295,7 +255,7 @@ static PetscErrorCode CompileOps(Compiler *c, PetscBool drifts)
 {
   const MpmTable  *t                     = c->table;
   const MpmOpList *ops                   = c->ops;
-  const PetscInt   head                  = HeadLength(ops);
+  const PetscInt   head                  = MpmHeadLength(ops->n, ops->op);
   PetscBool        begun[MPM_MAX_FIELDS] = {PETSC_FALSE};
   MpmPass         *pass;
 
@@ -314,7 +274,12 @@ static PetscErrorCode CompileOps(Compiler *c, PetscBool drifts)
     PetscCall(CheckScratch(t, op, begun));
     PetscCall(CompileOp(c, pass, op));
   }
-  JoinPasses(c->schedule, MpmTableIsFinite(t) ? PETSC_FALSE : PETSC_TRUE);
+  for (PetscInt p = 0; p < c->schedule->npasses; p++)
+    for (PetscInt s = 0; s < c->schedule->pass[p].nsums; s++) {
+      const PetscInt node = c->schedule->pass[p].sum[s];
+
+      if (Reads(&c->schedule->pass[p], node)) c->schedule->spare[node] = PETSC_TRUE;
+    }
   if (!MpmTableIsFinite(t)) PetscCall(InsertSamples(t, c->schedule));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

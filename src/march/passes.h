@@ -11,18 +11,16 @@
 #include <mpmstab/table.h>
 
 #define MPM_MAX_PASS_OPS 128 /* the largest number of operations on particles in one pass, and on nodes after it */
-#define MPM_MAX_JOINED 8     /* the largest number of passes joined to one another */
 
 /*E
    MpmPassOpKind - an operation of a pass on a block of particles.
 
-   MPM_PASS_MAP    - a map between particles and nodes (a kernel of the basis)
+   MPM_PASS_MAP    - a map between particles and nodes
    MPM_PASS_MASS   - the first P2G after particles have moved, with the nodal masses
    MPM_PASS_SCALE  - multiplies a particle field by a number
    MPM_PASS_ADD    - adds a times the particle field other to a particle field
-   MPM_PASS_STRESS, MPM_PASS_LOAD, MPM_PASS_STRETCH - the operations of finite deformation, from the particle fields from
-                     other on to those from particle on (march/finite.h)
-   MPM_PASS_ADVANCE - moves particles by the fields from particle on: they are at the places of the next step
+   MPM_PASS_FINITE - an operation of finite deformation (march/finite.h), from the particle fields from other on to those
+                     from particle on; after ADVANCE particles are at the places of the next step
    MPM_PASS_DRIFT  - from here on particles are at the places of the next step
    MPM_PASS_SAMPLE - sums the squares of a particle field, when the step is sampled
 E*/
@@ -31,24 +29,19 @@ typedef enum {
   MPM_PASS_MASS,
   MPM_PASS_SCALE,
   MPM_PASS_ADD,
-  MPM_PASS_STRESS,
-  MPM_PASS_LOAD,
-  MPM_PASS_STRETCH,
-  MPM_PASS_ADVANCE,
+  MPM_PASS_FINITE,
   MPM_PASS_DRIFT,
   MPM_PASS_SAMPLE
 } MpmPassOpKind;
 
 /*
-   map, axis: the kind of the map, and the direction that it acts along. to_nodes: the map writes the node field. weight:
+   map, axis: the kind of the operation, and the direction that it acts along. to_nodes: the map writes the node field. weight:
    the property that multiplies it, where it varies.
 */
 typedef struct {
   MpmPassOpKind kind;
   MpmOpKind     map;
   PetscInt      axis;
-  MpmKernel     kernel;
-  MpmMassKernel mass_kernel;
   PetscReal     a;
   PetscInt      particle, other, node;
   PetscBool     to_nodes;
@@ -67,12 +60,6 @@ typedef struct {
   PetscInt  axis;
 } MpmNodeOp;
 
-/* Not collective. Whether a node's new value depends on itself and its neighbours alone: no sum over ranks, no wall. */
-static inline PetscBool MpmNodeOpIsLocal(MpmOpKind kind)
-{
-  return kind == MPM_LAP || kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /*
    MpmPass - operations on particles, and those on nodes that follow them. The nsums node fields sum[] are complete when
    the particles are done. With rebase the particles migrate after the pass.
@@ -82,7 +69,7 @@ typedef struct {
   MpmPassOp op[MPM_MAX_PASS_OPS];
   PetscInt  sum[MPM_MAX_FIELDS];
   MpmNodeOp node_op[MPM_MAX_PASS_OPS];
-  PetscBool sums_mass, drifts, rebase, joined;
+  PetscBool sums_mass, drifts, rebase;
 } MpmPass;
 
 /*S
@@ -96,6 +83,14 @@ typedef struct {
   PetscInt  npasses, room, halo;
   PetscBool spare[MPM_MAX_FIELDS];
 } MpmSchedule;
+
+/*
+   MpmHeadLength - the number of operations before the particles first read the grid or move, all of which one pass can do:
+   its sums come before its operations on nodes, so none may begin anew in a field that has been set or read.
+
+   Not collective.
+*/
+PetscInt MpmHeadLength(PetscInt nops, const MpmOp ops[]);
 
 /*
    MpmScheduleCompile - compiles a table to passes, and frees what schedule held before.

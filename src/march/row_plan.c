@@ -1,12 +1,12 @@
 /*
    Compiles a pass for rows. Maps that follow one another in the same direction, to nodes or to particles, become one
-   step. Within it they are sorted by line and kernel. The order of such maps matters to rounding alone.
+   step. Within it they are sorted by line and weights. The order of such maps matters to rounding alone.
 */
 #include "march/finite.h"
 #include "march/rows.h"
 #include "scheme/lines.h"
 
-/* What the maps of a step are sorted by, the most important first: the line, which is across x, and the kernel along x. */
+/* What the maps of a step are sorted by, the most important first: the line, which is across x, and the kind of weights along x. */
 typedef struct {
   PetscInt         node;
   MpmOpKind        z, y, along;
@@ -50,31 +50,33 @@ static void AddStep(MpmRowPlan *plan, MpmRowStep step)
   plan->step[plan->nsteps++] = step;
 }
 
-static MpmRowMap MapOf(const Group *g, const Entry *entry)
+/* The number of a kind of weights in a plan. */
+static PetscInt KindOf(MpmRowPlan *plan, MpmOpKind kind)
+{
+  for (PetscInt k = 0; k < plan->nkinds; k++)
+    if (plan->kind[k] == kind) return k;
+  plan->kind[plan->nkinds] = kind;
+  return plan->nkinds++;
+}
+
+static MpmRowMap MapOf(MpmRowPlan *plan, const Entry *entry)
 {
   const PetscBool masses = entry->node == MPM_MASSES ? PETSC_TRUE : PETSC_FALSE;
 
-  return (MpmRowMap){.kernel   = g->basis->kernel[entry->along],
-                     .weights  = MpmLineKind(g->basis, entry->along),
+  return (MpmRowMap){.weights  = KindOf(plan, entry->along),
                      .a        = masses ? 1 : entry->a,
                      .particle = masses ? MPM_NONE : entry->op->particle,
                      .weight   = entry->op->weight};
 }
 
-/* Notes that a map has the weights of a kind along some direction. */
-static void NeedKind(MpmRowPlan *plan, MpmOpKind kind)
-{
-  for (PetscInt k = 0; k < plan->nkinds; k++)
-    if (plan->kind[k] == kind) return;
-  plan->kind[plan->nkinds++] = kind;
-}
-
 /* The number of the weights that a line has across it. */
 static PetscInt AcrossOf(MpmRowPlan *plan, const Entry *e)
 {
+  const PetscInt y = KindOf(plan, e->y), z = KindOf(plan, e->z);
+
   for (PetscInt n = 0; n < plan->nacross; n++)
-    if (plan->across[n].y == e->y && plan->across[n].z == e->z) return n;
-  plan->across[plan->nacross] = (MpmRowAcross){.y = e->y, .z = e->z};
+    if (plan->across[n].y == y && plan->across[n].z == z) return n;
+  plan->across[plan->nacross] = (MpmRowAcross){.y = y, .z = z};
   return plan->nacross++;
 }
 
@@ -90,12 +92,10 @@ static void Close(Group *g)
 
     if (i == 0 || !SameLine(e, &g->entry[i - 1]))
       plan->line[plan->nlines++] = (MpmRowLine){.node = e->node, .across = AcrossOf(plan, e), .begin = plan->nmaps};
-    plan->map[plan->nmaps++] = MapOf(g, e);
-    NeedKind(plan, plan->map[plan->nmaps - 1].weights);
-    NeedKind(plan, e->y);
-    NeedKind(plan, e->z);
+    plan->map[plan->nmaps++]         = MapOf(plan, e);
     plan->line[plan->nlines - 1].end = plan->nmaps;
-    while (last > plan->line[plan->nlines - 1].begin && plan->map[last - 1].kernel == plan->map[plan->nmaps - 1].kernel)
+    while (last > plan->line[plan->nlines - 1].begin &&
+           plan->map[last - 1].weights == plan->map[plan->nmaps - 1].weights)
       plan->map[--last].shared++;
   }
   if (g->n)
@@ -110,13 +110,13 @@ static void Close(Group *g)
 static void AddMap(Group *g, const MpmPassOp *op)
 {
   const PetscReal moment = op->map == MPM_P2G_AFFINE ? g->basis->moment : 0;
-  const MpmOpKind map = moment > 0 ? MPM_DIV_MLS : op->map, along = MpmKindAlong(map, op->axis, 0);
-  Entry           entry = {.node  = op->node,
-                           .z     = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 2)),
-                           .y     = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 1)),
-                           .along = MpmLineFirstAlike(g->basis, !op->to_nodes && along == MPM_P2G ? MPM_G2P : along),
-                           .a     = moment > 0 ? moment * op->a : op->a,
-                           .op    = op};
+  const MpmOpKind map    = moment > 0 ? MPM_DIV_MLS : op->map;
+  Entry           entry  = {.node  = op->node,
+                            .z     = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 2)),
+                            .y     = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 1)),
+                            .along = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 0)),
+                            .a     = moment > 0 ? moment * op->a : op->a,
+                            .op    = op};
 
   if (g->to_nodes != op->to_nodes) Close(g);
   g->to_nodes = op->to_nodes;
@@ -139,12 +139,12 @@ static PetscBool Uses(const Group *g, PetscInt first, PetscInt n)
 /* Adds an operation of finite deformation. If the group uses none of its fields, it may come before the group. */
 static void AddFinite(Group *g, const MpmPassOp *op, PetscInt dim)
 {
-  const MpmFiniteWidth width = MpmFiniteWidthOf(op->kind, dim);
+  const MpmFiniteWidth width = MpmFiniteWidthOf(op->map, dim);
 
-  if (op->kind == MPM_PASS_ADVANCE || Uses(g, op->particle, width.to) || Uses(g, op->other, width.from)) Close(g);
+  if (op->map == MPM_ADVANCE || Uses(g, op->particle, width.to) || Uses(g, op->other, width.from)) Close(g);
   AddStep(g->plan,
           (MpmRowStep){
-              .kind = MPM_ROW_FINITE, .finite = op->kind, .particle = op->particle, .other = op->other, .a = op->a});
+              .kind = MPM_ROW_FINITE, .finite = op->map, .particle = op->particle, .other = op->other, .a = op->a});
 }
 
 void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, PetscInt dim, MpmRowPlan *plan)
@@ -160,7 +160,7 @@ void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, PetscInt dim,
     else if (op->kind == MPM_PASS_DRIFT) {
       Close(&group);
       AddStep(plan, (MpmRowStep){.kind = MPM_ROW_DRIFT});
-    } else if (op->kind != MPM_PASS_SCALE && op->kind != MPM_PASS_ADD)
+    } else if (op->kind == MPM_PASS_FINITE)
       AddFinite(&group, op, dim);
     else {
       const PetscBool adds = op->kind == MPM_PASS_ADD ? PETSC_TRUE : PETSC_FALSE;

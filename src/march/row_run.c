@@ -1,4 +1,5 @@
 /* Takes the particles of a rank through a pass, row by row. */
+#include "march/finite.h"
 #include "march/rows.h"
 #include "scheme/lines.h"
 #include "scheme/maps.h"
@@ -14,14 +15,16 @@
    begin, n - the particles that the block is of
    lo, hi   - the nodes of the line that have weights
    rows     - the number of rows of nodes; node[0] of a row is at offset[r] of a local array
-   alike    - the runs of the row are alike, with the weights run[kind] along x
+   alike    - the runs of the row are alike: runs
+   along    - along[kind]: the weights along x, of a run or of all particles
    weight   - weight[n]: of the rows, with the kinds across[n] of the plan along y and z
 */
 typedef struct {
   MpmBlock  block;
+  MpmRuns   runs;
   PetscInt  begin, n, lo, hi, rows, offset[MPM_MOST_ROWS];
   PetscBool alike;
-  PetscReal run[MPM_OP_KINDS][MPM_LONGEST_RUN * MPM_MOST_RUN_NODES];
+  PetscReal along[MPM_MOST_KINDS][MPM_MOST_NODES * MPM_BLOCK];
   PetscReal xi[MPM_BLOCK], weight[MPM_MOST_ACROSS][MPM_MOST_ROWS];
 } Placed;
 
@@ -29,7 +32,7 @@ typedef struct {
 
 /* The weights of particles at xi along a direction across the rows, by kind, and the first of their nodes from the cell. */
 typedef struct {
-  PetscReal xi, weight[MPM_OP_KINDS][MPM_MOST_NODES];
+  PetscReal xi, weight[MPM_MOST_KINDS][MPM_MOST_NODES];
   PetscInt  first;
 } Across;
 
@@ -41,21 +44,8 @@ typedef struct {
   PetscReal line[MPM_MOST_LINES][LINE], weighed[MPM_BLOCK], ones[MPM_BLOCK];
 } Work;
 
-void MpmRowsMove(const MpmRowArrays *a, PetscInt axis, PetscInt n, const PetscInt cell0[], const PetscReal xi0[],
-                 PetscInt after, PetscInt cell[], PetscReal xi[])
-{
-  if (a->march->particles->drift[axis].value != 0) {
-    MpmPlaceBlock(n, cell0, xi0, a->whole[after][axis], a->part[after][axis], cell, xi);
-    return;
-  }
-  for (PetscInt p = 0; p < n; p++) {
-    cell[p] = cell0[p];
-    xi[p]   = xi0[p];
-  }
-}
-
 /* Finds the places of a row along x. */
-static void PlaceAlong(const MpmRowArrays *a, const MpmRow *row, PetscInt after, Placed *placed)
+static void PlaceAlong(const MpmMarchArrays *a, const MpmRow *row, PetscInt after, Placed *placed)
 {
   const MpmMarch *march = a->march;
   const PetscInt  begin = row->begin, n = row[1].begin - begin;
@@ -68,12 +58,15 @@ static void PlaceAlong(const MpmRowArrays *a, const MpmRow *row, PetscInt after,
   }
   moved[0] = 0; /* a row is never empty, but the compiler cannot know it */
   for (PetscInt p = 0; p < n; p++) cell[p] = a->cell[0][begin + p] - origin;
-  MpmRowsMove(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
+  MpmMarchPlaces(a, 0, n, cell, a->xi[0] + begin, after, moved, placed->xi);
   MpmDirectionWalls(&march->layout->grid[0], march->grid->axis[0].first + origin, wall);
   MpmBlockPlace(march->scheme->basis, n, moved, placed->xi, march->layout->half_width[0], wall, &placed->block);
-  placed->alike = MpmRunsFind(march->scheme->basis, &placed->block);
-  for (const MpmOpKind *k = a->plan->kind; placed->alike && k < a->plan->kind + a->plan->nkinds; k++)
-    MpmRunsWeights(march->scheme->basis, *k, &placed->block, placed->run[*k]);
+  placed->alike = MpmRunsFind(march->scheme->basis, &placed->block, &placed->runs);
+  for (PetscInt k = 0; k < a->plan->nkinds; k++)
+    if (placed->alike)
+      MpmRunsWeights(march->scheme->basis, a->plan->kind[k], &placed->block, &placed->runs, placed->along[k]);
+    else
+      march->scheme->basis->weights[a->plan->kind[k]](&placed->block, MPM_BLOCK, placed->along[k]);
   placed->begin = begin;
   placed->n     = n;
   placed->lo = placed->hi = placed->block.first[0];
@@ -88,42 +81,45 @@ static void PlaceAlong(const MpmRowArrays *a, const MpmRow *row, PetscInt after,
    The weights across the rows of a particle at xi in a cell. Rows have few different places in their cells, so they are
    mostly known already; next to walls only where they are the same there.
 */
-static const Across *FindAcross(const MpmRowArrays *a, PetscInt axis, PetscInt cell, PetscReal xi, Work *w)
+static const Across *FindAcross(const MpmMarchArrays *a, PetscInt axis, PetscInt cell, PetscReal xi, Work *w)
 {
   const MpmBasis *basis = a->march->scheme->basis;
+  const PetscInt  zero  = 0;
   PetscInt        n     = MpmBasisIsAltered(basis) ? 0 : PetscMin(w->nacross[axis], ACROSS), wall[2];
   Across         *found;
+  MpmBlock        block;
 
   for (PetscInt i = 0; i < n; i++)
     if (w->across[axis][i].xi == xi) return &w->across[axis][i];
   found     = &w->across[axis][w->nacross[axis]++ % ACROSS];
   found->xi = xi;
   MpmDirectionWalls(&a->march->layout->grid[axis], a->march->grid->axis[axis].first + cell, wall);
-  for (const MpmOpKind *k = a->plan->kind; k < a->plan->kind + a->plan->nkinds; k++)
-    found->first = MpmLineWeights(basis, *k, xi, a->march->layout->half_width[axis], wall, found->weight[*k]);
+  MpmBlockPlace(basis, 1, &zero, &xi, a->march->layout->half_width[axis], wall, &block);
+  for (PetscInt k = 0; k < a->plan->nkinds; k++) basis->weights[a->plan->kind[k]](&block, 1, found->weight[k]);
+  found->first = block.first[0];
   return found;
 }
 
 /* Finds the rows of nodes that a row of particles has weights at, and these weights. */
-static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, Work *w, Placed *placed)
+static void PlaceAcross(const MpmMarchArrays *a, PetscInt begin, PetscInt after, Work *w, Placed *placed)
 {
-  static const Across none = {.weight[MPM_P2G][0] = 1}; /* a direction that is not there */
+  static const Across none = {.weight[0][0] = 1}; /* a direction that is not there */
   const MpmGrid      *grid = a->march->grid;
-  const PetscInt      n = a->march->scheme->basis->nodes, dim = grid->dim;
-  const Across       *along[MPM_MAX_DIM] = {NULL, NULL, &none};
+  const PetscInt      n = a->march->scheme->basis->nodes, dim = grid->dim, ny = dim > 1 ? n : 1;
+  const Across       *along[MPM_MAX_DIM] = {NULL, &none, &none};
   PetscInt            first[MPM_MAX_DIM] = {0, 0, 0};
 
   for (PetscInt d = 1; d < dim; d++) {
     PetscInt  cell;
     PetscReal xi;
 
-    MpmRowsMove(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
+    MpmMarchPlaces(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
     along[d] = FindAcross(a, d, cell, xi, w);
     first[d] = cell + along[d]->first;
   }
-  placed->rows = dim == 2 ? n : n * n;
-  for (PetscInt z = 0, r = 0; z < placed->rows / n; z++)
-    for (PetscInt y = 0; y < n; y++, r++) {
+  placed->rows = dim > 2 ? n * n : ny;
+  for (PetscInt z = 0, r = 0; z < placed->rows / ny; z++)
+    for (PetscInt y = 0; y < ny; y++, r++) {
       placed->offset[r] = a->cell[0][begin] + a->whole[after][0] + (first[1] + y) * grid->axis[1].stride +
                           (first[2] + z) * grid->axis[2].stride;
       for (PetscInt k = 0; k < a->plan->nacross; k++)
@@ -131,31 +127,34 @@ static void PlaceAcross(const MpmRowArrays *a, PetscInt begin, PetscInt after, W
     }
 }
 
-static void Place(const MpmRowArrays *a, const MpmRow *row, PetscInt after, Work *w)
+static void Place(const MpmMarchArrays *a, const MpmRow *row, PetscInt after, Work *w)
 {
   PlaceAlong(a, row, after, &w->placed[after]);
   PlaceAcross(a, row->begin, after, w, &w->placed[after]);
 }
 
-/* Runs the kernel of a map, from a line to particles or back. */
-static void RunKernel(const MpmRowArrays *a, const MpmRowMap *map, PetscBool to_nodes, const Placed *placed,
-                      PetscReal factor, PetscReal q[], PetscReal line[])
+/* Runs a map along x, from a line to particles or back. */
+static void RunMap(const MpmMarchArrays *a, const MpmRowMap *map, PetscBool to_nodes, const Placed *placed,
+                   PetscReal factor, PetscReal q[], PetscReal line[])
 {
-  const PetscInt nodes = a->march->scheme->basis->nodes;
+  const PetscInt   nodes  = a->march->scheme->basis->nodes;
+  const PetscReal *weight = placed->along[map->weights];
 
-  if (!placed->alike)
-    map->kernel(&placed->block, factor, q, line);
+  if (placed->alike && to_nodes)
+    MpmRunsSpread(&placed->block, &placed->runs, nodes, weight, factor, q, line);
+  else if (placed->alike)
+    MpmRunsGather(&placed->block, &placed->runs, nodes, weight, 1, &factor, &q, line);
   else if (to_nodes)
-    MpmRunsSpread(&placed->block, nodes, placed->run[map->weights], factor, q, line);
+    MpmWeightsSpread(&placed->block, nodes, MPM_BLOCK, weight, factor, q, line);
   else
-    MpmRunsGather(&placed->block, nodes, placed->run[map->weights], 1, &factor, &q, line);
+    MpmWeightsGather(&placed->block, nodes, MPM_BLOCK, weight, factor, q, line);
 }
 
 /*
-   The maps that share a kernel and a line with m, from m on, as far as one loop does them all: runs that are alike, and no
+   The maps that share weights and a line with m, from m on, as far as one loop does them all: runs that are alike, and no
    weight of a particle's own. Returns how many they are.
 */
-static PetscInt GatherAlike(const MpmRowArrays *a, const MpmRowMap *m, const Placed *placed, const PetscReal line[])
+static PetscInt GatherAlike(const MpmMarchArrays *a, const MpmRowMap *m, const Placed *placed, const PetscReal line[])
 {
   PetscReal factor[MPM_MOST_TARGETS], *q[MPM_MOST_TARGETS];
   PetscInt  n = 0;
@@ -164,21 +163,23 @@ static PetscInt GatherAlike(const MpmRowArrays *a, const MpmRowMap *m, const Pla
     factor[n] = m[n].a;
     q[n]      = MpmRowsField(a, m[n].particle, placed->begin);
   }
-  if (n) MpmRunsGather(&placed->block, a->march->scheme->basis->nodes, placed->run[m->weights], n, factor, q, line);
+  if (n)
+    MpmRunsGather(&placed->block, &placed->runs, a->march->scheme->basis->nodes, placed->along[m->weights], n, factor,
+                  q, line);
   return n;
 }
 
-/* Maps that share a kernel differ in their particle fields and factors. */
-static void GatherShared(const MpmRowArrays *a, const MpmRowMap *m, const Placed *placed, Work *w, PetscReal line[])
+/* Maps that share weights differ in their particle fields and factors. */
+static void GatherShared(const MpmMarchArrays *a, const MpmRowMap *m, const Placed *placed, Work *w, PetscReal line[])
 {
   const MpmRowMap *last = m + m->shared;
 
   if (m == last && !m->weight) {
-    RunKernel(a, m, PETSC_FALSE, placed, m->a, MpmRowsField(a, m->particle, placed->begin), line);
+    RunMap(a, m, PETSC_FALSE, placed, m->a, MpmRowsField(a, m->particle, placed->begin), line);
     return;
   }
   for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = 0;
-  RunKernel(a, m, PETSC_FALSE, placed, 1, w->weighed, line);
+  RunMap(a, m, PETSC_FALSE, placed, 1, w->weighed, line);
   for (; m <= last; m++) {
     const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + placed->begin : w->ones;
     const PetscReal *restrict from   = w->weighed;
@@ -189,15 +190,16 @@ static void GatherShared(const MpmRowArrays *a, const MpmRowMap *m, const Placed
 }
 
 /* The nodes [lo, hi) of a line to particles. */
-static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Placed *placed, Work *w)
+static void RunGather(const MpmMarchArrays *a, const MpmRowStep *step, const Placed *placed, Work *w)
 {
   PetscReal *line = w->line[0] + MARGIN;
 
   for (const MpmRowLine *l = a->plan->line + step->begin; l < a->plan->line + step->end; l++) {
-    const PetscReal *node = a->node[l->node] + placed->lo;
-
-    MpmLinesGather(placed->rows, placed->offset, placed->weight[l->across], placed->hi - placed->lo, node,
-                   line + placed->lo);
+    if (a->march->grid->dim == 1)
+      line = a->node[l->node] + placed->offset[0];
+    else
+      MpmLinesGather(placed->rows, placed->offset, placed->weight[l->across], placed->hi - placed->lo,
+                     a->node[l->node] + placed->lo, line + placed->lo);
     for (const MpmRowMap *m = a->plan->map + l->begin, *end = a->plan->map + l->end; m < end;) {
       const PetscInt n = GatherAlike(a, m, placed, line);
 
@@ -207,10 +209,9 @@ static void RunGather(const MpmRowArrays *a, const MpmRowStep *step, const Place
   }
 }
 
-/* What the particles of a row give to a line. */
-static void FillLine(const MpmRowArrays *a, const MpmRowLine *l, const Placed *placed, Work *w, PetscReal *line)
+/* Adds what the particles of a row give to a line. */
+static void FillLine(const MpmMarchArrays *a, const MpmRowLine *l, const Placed *placed, Work *w, PetscReal *line)
 {
-  for (PetscInt i = placed->lo; i < placed->hi; i++) line[i] = 0;
   for (const MpmRowMap *m = a->plan->map + l->begin; m < a->plan->map + l->end; m++) {
     PetscReal       *q      = m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, placed->begin);
     const PetscReal *weight = m->weight ? a->weight[m->weight] + placed->begin : NULL;
@@ -219,32 +220,38 @@ static void FillLine(const MpmRowArrays *a, const MpmRowLine *l, const Placed *p
       for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = weight[p] * q[p];
       q = w->weighed;
     }
-    RunKernel(a, m, PETSC_TRUE, placed, m->a, q, line);
+    RunMap(a, m, PETSC_TRUE, placed, m->a, q, line);
   }
 }
 
 /* Lines of one node field go to its rows together. */
-static void RunSpread(const MpmRowArrays *a, const MpmRowStep *step, const Placed *placed, Work *w)
+static void RunSpread(const MpmMarchArrays *a, const MpmRowStep *step, const Placed *placed, Work *w)
 {
   const PetscInt lo = placed->lo, n = placed->hi - lo;
   PetscReal      weight[MPM_MOST_LINES][MPM_MOST_ROWS];
 
   for (PetscInt first = step->begin, lines; first < step->end; first += lines) {
     const MpmRowLine *l = a->plan->line + first;
-    const PetscReal  *line[MPM_MOST_LINES];
+    PetscReal        *line[MPM_MOST_LINES];
 
+    if (a->march->grid->dim == 1) {
+      FillLine(a, l, placed, w, a->sum[l->node] + placed->offset[0]);
+      lines = 1;
+      continue;
+    }
     for (lines = 0; lines < MPM_MOST_LINES && first + lines < step->end && l[lines].node == l->node; lines++) {
-      FillLine(a, &l[lines], placed, w, w->line[lines] + MARGIN);
       line[lines] = w->line[lines] + MARGIN + lo;
+      for (PetscInt i = 0; i < n; i++) line[lines][i] = 0;
+      FillLine(a, &l[lines], placed, w, w->line[lines] + MARGIN);
       for (PetscInt r = 0; r < placed->rows; r++) weight[lines][r] = placed->weight[l[lines].across][r];
     }
-    MpmLinesSpread(placed->rows, placed->offset, lines, (const PetscReal(*)[MPM_MOST_ROWS])weight, line, n,
-                   a->sum[l->node] + lo);
+    MpmLinesSpread(placed->rows, placed->offset, lines, (const PetscReal(*)[MPM_MOST_ROWS])weight,
+                   (const PetscReal *const *)line, n, a->sum[l->node] + lo);
   }
 }
 
 /* Asks for the place of the first particle of the row that follows: rows read little of these arrays, far apart. */
-static void PrefetchPlace(const MpmRowArrays *a, PetscInt begin)
+static void PrefetchPlace(const MpmMarchArrays *a, PetscInt begin)
 {
   for (PetscInt d = 0; d < a->march->grid->dim; d++) {
     __builtin_prefetch(&a->cell[d][begin]);
@@ -252,7 +259,18 @@ static void PrefetchPlace(const MpmRowArrays *a, PetscInt begin)
   }
 }
 
-static void RunRow(const MpmRowArrays *a, const MpmRow *row, Work *w)
+void MpmRowsFinite(const MpmMarchArrays *a, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after)
+{
+  const MpmFiniteWidth width = MpmFiniteWidthOf(step->finite, a->march->grid->dim);
+  MpmFiniteBlock       block = {.begin = begin, .n = n, .step = a->step + after, .a = step->a};
+
+  for (PetscInt c = 0; c < width.to; c++) block.to[c] = MpmRowsField(a, step->particle + c, begin);
+  for (PetscInt c = 0; c < width.from; c++) block.from[c] = MpmRowsField(a, step->other + c, begin);
+  MpmFinitePlace(a, &block);
+  MpmFiniteRun(a->march, step->finite, &block);
+}
+
+static void RunRow(const MpmMarchArrays *a, const MpmRow *row, Work *w)
 {
   const PetscInt begin = row->begin, n = row[1].begin - begin;
   const Placed  *placed = &w->placed[0];
@@ -268,15 +286,17 @@ static void RunRow(const MpmRowArrays *a, const MpmRow *row, Work *w)
       MpmScale(n, step->a, MpmRowsField(a, step->particle, begin));
     else if (step->kind == MPM_ROW_ADD)
       MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
-    else if (step->kind == MPM_ROW_DRIFT) {
+    else if (step->kind == MPM_ROW_FINITE)
+      MpmRowsFinite(a, step, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
+    if (step->kind == MPM_ROW_DRIFT || (step->kind == MPM_ROW_FINITE && step->finite == MPM_ADVANCE)) {
       Place(a, row, 1, w);
       placed = &w->placed[1];
-    } else if (a->sample)
+    } else if (step->kind == MPM_ROW_SAMPLE && a->sample)
       a->squares[step->particle] += MpmSumSquares(n, MpmRowsField(a, step->particle, begin));
   }
 }
 
-void MpmRowsRun(const MpmRowArrays *arrays)
+void MpmRowsRun(const MpmMarchArrays *arrays)
 {
   const MpmMarch *march = arrays->march;
   Work            work;

@@ -1,26 +1,21 @@
 /*
-   Passes in more than one dimension. Particles go through a pass row by row: those of a row lie on a line along x. So
-   the maps act on lines of nodes (scheme/lines.h), and operations that act on the same line share it.
+   Passes by rows: the particles of a row lie on a line along x. So the maps act on lines of nodes (scheme/lines.h), and
+   operations that act on the same line share it. In one dimension the line is the node field itself.
 */
 #pragma once
 #include "march/march_private.h"
 
-#define MPM_MOST_KINDS 6 /* kinds of weights: those of the operations that go to nodes */
+#define MPM_MOST_KINDS 6 /* of weights: those of the operations that go to nodes */
 #define MPM_MOST_ACROSS (MPM_MOST_KINDS * MPM_MOST_KINDS)
 
-/* The node field that stands for the nodal masses. */
-#define MPM_MASSES MPM_MAX_FIELDS
-
 /*
-   A map between particles and a line. Maps of one kernel from one line share its result; shared counts those that
-   follow and use it too. particle is MPM_NONE for the nodal masses. weights: the kind of operation to nodes that has the
-   map's weights along x.
+   A map between particles and a line. Maps from one line with the same weights share the result; shared counts those that
+   follow and use it too. particle is MPM_NONE for the nodal masses. weights: the number in the plan of the kind of weights
+   along x.
 */
 typedef struct {
-  MpmKernel   kernel;
-  MpmOpKind   weights;
   PetscReal   a;
-  PetscInt    particle, shared;
+  PetscInt    particle, shared, weights;
   MpmProperty weight;
 } MpmRowMap;
 
@@ -32,9 +27,9 @@ typedef struct {
   PetscInt node, across, begin, end;
 } MpmRowLine;
 
-/* The kinds of operation to nodes whose weights rows of nodes have along y and along z. */
+/* The numbers of the kinds of weights that rows of nodes have along y and along z. */
 typedef struct {
-  MpmOpKind y, z;
+  PetscInt y, z;
 } MpmRowAcross;
 
 typedef enum {
@@ -49,12 +44,12 @@ typedef enum {
 
 /*
    A step of a plan. Gathers and spreads have lines [begin, end); the others a particle field and a number a. An addition
-   adds a times the particle field other. Operations of finite deformation have their kind in a pass: after ADVANCE the
-   particles are at new places.
+   adds a times the particle field other. Operations of finite deformation have their kind: after ADVANCE the particles
+   are at new places.
 */
 typedef struct {
   MpmRowStepKind kind;
-  MpmPassOpKind  finite;
+  MpmOpKind      finite;
   PetscInt       begin, end, particle, other;
   PetscReal      a;
 } MpmRowStep;
@@ -75,39 +70,19 @@ struct MpmRowPlan_ {
 /* Not collective. Compiles a pass. */
 void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, PetscInt dim, MpmRowPlan *plan);
 
-/* The particles and nodes that a pass goes over. sum[MPM_MASSES] are the nodal masses. */
-typedef struct {
-  const MpmMarch   *march;
-  const MpmRowPlan *plan;
-  PetscBool         sample;
-  PetscInt         *cell[MPM_MAX_DIM], whole[2][MPM_MAX_DIM];
-  PetscInt64       *id, step; /* id: of particles that move each by itself; step: that of the places before DRIFT */
-  PetscReal        *xi[MPM_MAX_DIM], part[2][MPM_MAX_DIM], *squares;
-  PetscReal        *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
-  PetscReal        *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS + 1];
-} MpmRowArrays;
+/* Not collective. Finds the rows of the particles, if passes go through rows. It is called when places have changed. */
+PetscErrorCode MpmRowsFind(MpmMarch *march);
 
 /* Not collective. Takes all particles through the pass. */
-void MpmRowsRun(const MpmRowArrays *arrays);
-
-/*
-   Not collective. Moves n particles from their resting places along an axis on to those of the pass, before DRIFT or
-   after it. Along an axis without drift they stay exactly where they are, also those just left of a wall.
-*/
-void MpmRowsMove(const MpmRowArrays *arrays, PetscInt axis, PetscInt n, const PetscInt cell0[], const PetscReal xi0[],
-                 PetscInt after, PetscInt cell[], PetscReal xi[]);
+void MpmRowsRun(const MpmMarchArrays *arrays);
 
 /* Not collective. A particle field from particle begin on. Scratch fields live for one row, or for one cloud. */
-static inline PetscReal *MpmRowsField(const MpmRowArrays *arrays, PetscInt field, PetscInt begin)
+static inline PetscReal *MpmRowsField(const MpmMarchArrays *arrays, PetscInt field, PetscInt begin)
 {
   const PetscInt nstate = arrays->march->scheme->table->nstate;
 
   return field < nstate ? arrays->particle[field] + begin : arrays->march->scratch + (field - nstate) * MPM_BLOCK;
 }
 
-/*
-   Collective. The node operations after a pass, in more than one dimension: from number *next on, which becomes that of the
-   first IMPLICIT there, or their number. step is that of the particles' places.
-*/
-PetscErrorCode MpmRowsNodeOps(const MpmMarch *march, const MpmPass *pass, PetscInt64 step, const MpmRowArrays *arrays,
-                              PetscReal *const field[], PetscInt *next);
+/* Not collective. Runs a step of finite deformation on n particles from begin on. after: they have been advanced. */
+void MpmRowsFinite(const MpmMarchArrays *arrays, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after);

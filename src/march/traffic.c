@@ -1,10 +1,8 @@
 /*
    The bytes that a step moves between memory and processor.
 
-   The passes of a group follow one another through the particles while these are in a cache. So each array is read once
-   a group, and written once if the group changes it. An array that is only written is read too, because the processor
-   fetches a line before it changes a part of it. Local node operations follow the particles. From a wall on, each is a
-   sweep of its own.
+   Each array is read once a pass, and written once if the pass changes it. An array that is only written is read too,
+   because the processor fetches a line before it changes a part of it. Each operation on nodes is a sweep of its own.
 */
 #include "march/traffic.h"
 #include <math.h>
@@ -45,50 +43,23 @@ static void TouchPass(const MpmPass *pass, Touched *particle, Touched *node, uin
   }
 }
 
-/* Notes the fields of the node operations that follow the particles, and returns the number of these operations. */
-static PetscInt TouchNodes(const MpmPass *pass, Touched *node)
+/* Adds the bytes of a pass, without the places of particles. Masses are read where something is summed. */
+static void AddPass(const MpmTable *t, const MpmSchedule *s, const MpmPass *pass, PetscReal *of_particle,
+                    PetscReal *of_node)
 {
-  PetscInt o = 0;
+  Touched  particle = {0}, node = {0};
+  uint64_t weights = 0;
 
-  for (; o < pass->nnode_ops && MpmNodeOpIsLocal(pass->node_op[o].kind); o++) {
-    node->reads |= Bit(pass->node_op[o].src);
-    node->writes |= Bit(pass->node_op[o].dst);
-  }
-  return o;
-}
-
-/*
-   Adds the bytes of the pass first and of those joined to it, without the places of particles, and returns their
-   number. Masses are read where something is summed.
-*/
-static PetscInt Group(const MpmTable *t, const MpmSchedule *s, PetscInt first, PetscReal *of_particle,
-                      PetscReal *of_node)
-{
-  Touched        particle = {0}, node = {0};
-  uint64_t       weights = 0;
-  PetscInt       n       = 0;
-  PetscBool      sums = PETSC_FALSE, sums_mass = PETSC_FALSE;
-  const MpmPass *last;
-
-  do {
-    const MpmPass *pass = &s->pass[first + n];
-
-    TouchPass(pass, &particle, &node, &weights);
-    if (pass->nsums) sums = PETSC_TRUE;
-    if (pass->sums_mass) sums_mass = PETSC_TRUE;
-    n++;
-  } while (first + n < s->npasses && s->pass[first + n].joined);
-  last = &s->pass[first + n - 1];
-  for (PetscInt o = TouchNodes(last, &node); o < last->nnode_ops; o++)
-    if (last->node_op[o].kind != MPM_WALL) *of_node += 3 * sizeof(PetscReal);     /* reads one, changes another */
+  TouchPass(pass, &particle, &node, &weights);
+  for (PetscInt o = 0; o < pass->nnode_ops; o++)
+    if (pass->node_op[o].kind != MPM_WALL) *of_node += 3 * sizeof(PetscReal);     /* reads one, changes another */
   for (PetscInt f = t->nstate; f < t->nparticles; f++) particle.reads &= ~Bit(f); /* scratch fields stay in the cache */
   particle.writes &= particle.reads;
   *of_particle += Bytes(particle.reads) + Bytes(particle.writes) + Bytes(weights);
   *of_node += Bytes(node.reads | node.writes) + Bytes(node.writes);
   for (PetscInt f = 0; f < t->nnodes; f++)
     if (s->spare[f] && node.writes & Bit(f)) *of_node += Bytes(node.reads & Bit(f)); /* into another array */
-  if (sums) *of_node += sizeof(PetscReal) * (sums_mass ? 2 : 1);
-  return n;
+  if (pass->nsums) *of_node += sizeof(PetscReal) * (pass->sums_mass ? 2 : 1);
 }
 
 PetscReal MpmScheduleBytes(const MpmTable *table, const MpmSchedule *schedule, PetscReal particles_per_node,
@@ -97,8 +68,8 @@ PetscReal MpmScheduleBytes(const MpmTable *table, const MpmSchedule *schedule, P
   PetscReal of_particle = 0, of_node = 0;
 
   if (MpmTableSolves(table) || MpmTableIsFinite(table)) return NAN;
-  for (PetscInt p = 0, n; p < schedule->npasses; p += n) {
-    n = Group(table, schedule, p, &of_particle, &of_node);
+  for (PetscInt p = 0; p < schedule->npasses; p++) {
+    AddPass(table, schedule, &schedule->pass[p], &of_particle, &of_node);
     if (!alike) of_particle += sizeof(PetscInt) + sizeof(PetscReal);
   }
   return of_particle + of_node / particles_per_node;

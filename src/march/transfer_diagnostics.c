@@ -51,53 +51,29 @@ PetscErrorCode MpmTransferDiagnosticsDestroy(MpmTransferDiagnostics **diagnostic
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode GetPlaces(const MpmMarch *march, MpmPlaces *places)
-{
-  PetscFunctionBegin;
-  places->mass = NULL;
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[0], &places->cell[0]));
-  PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[0], &places->xi[0]));
-  if (march->layout->varies[MPM_MASS])
-    PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[MPM_MASS], &places->mass));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode RestorePlaces(const MpmMarch *march, MpmPlaces *places)
-{
-  PetscFunctionBegin;
-  if (places->mass) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[MPM_MASS], &places->mass));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[0], &places->xi[0]));
-  PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[0], &places->cell[0]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
    Sums phi_ip m_p of this rank's particles to the nodes. all: from all particles; left: from those at the left of the
    node.
 */
-static PetscErrorCode SumWeights(const MpmMarch *march, const MpmPlaces *places, PetscReal left[], PetscReal all[])
+static void SumWeights(const MpmMarchArrays *at, PetscReal left[], PetscReal all[])
 {
+  const MpmMarch *march = at->march;
   const MpmBasis *basis = march->scheme->basis;
-  PetscInt        whole;
-  PetscReal       part;
 
-  PetscFunctionBegin;
-  PetscCall(MpmParticlesWhere(march->particles, 0, march->particles->step, &whole, &part));
   for (PetscInt p = 0; p < march->particles->count; p++) {
     PetscInt  cell;
     PetscReal xi, row[MPM_MAX_REACH];
 
-    MpmPlaceBlock(1, &places->cell[0][p], &places->xi[0][p], whole, part, &cell, &xi);
+    MpmMarchPlaces(at, 0, 1, &at->cell[0][p], &at->xi[0][p], 0, &cell, &xi);
     MpmMapRow(basis, MPM_P2G, xi, march->layout->half_width[0], MpmNoWalls, row);
     for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
       const PetscInt  node   = cell - basis->reach_left + d;
-      const PetscReal weight = row[d] * (places->mass ? places->mass[p] : 1);
+      const PetscReal weight = row[d] * (at->weight[MPM_MASS] ? at->weight[MPM_MASS][p] : 1);
 
       all[node] += weight;
       if (node > cell) left[node] += weight;
     }
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Weights(MpmTransferDiagnostics *x, MpmTransferDiagnosticsSample *sample)
@@ -105,15 +81,15 @@ static PetscErrorCode Weights(MpmTransferDiagnostics *x, MpmTransferDiagnosticsS
   const MpmGrid *grid    = x->march->grid;
   PetscReal      sums[2] = {0, 0}, ends[2] = {-INFINITY, -INFINITY}; /* of C1 and of nodes; -least and largest C1 */
   PetscReal     *array[2];
-  MpmPlaces      places;
+  MpmMarchArrays at = {.march = x->march};
 
   PetscFunctionBegin;
-  PetscCall(GetPlaces(x->march, &places));
+  PetscCall(MpmMarchGetArrays(x->march, x->march->particles->step, &at));
   PetscCall(VecSet(x->node, 0));
   PetscCall(VecSet(x->other, 0));
   PetscCall(MpmGridGetArray(grid, x->node, &array[0]));
   PetscCall(MpmGridGetArray(grid, x->other, &array[1]));
-  PetscCall(SumWeights(x->march, &places, array[0], array[1]));
+  SumWeights(&at, array[0], array[1]);
   PetscCall(MpmGridSum(grid, 2, array));
   for (PetscInt i = 0; i < grid->axis[0].nodes; i++) {
     const PetscReal c1 = array[0][i] / array[1][i];
@@ -126,7 +102,7 @@ static PetscErrorCode Weights(MpmTransferDiagnostics *x, MpmTransferDiagnosticsS
   }
   PetscCall(MpmGridRestoreArray(grid, x->other, &array[1]));
   PetscCall(MpmGridRestoreArray(grid, x->node, &array[0]));
-  PetscCall(RestorePlaces(x->march, &places));
+  PetscCall(MpmMarchRestoreArrays(x->march, &at));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPIU_REAL, MPI_SUM, CommOf(x)));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, ends, 2, MPIU_REAL, MPI_MAX, CommOf(x)));
   sample->c1_mean = sums[0] / sums[1];
@@ -164,56 +140,46 @@ static PetscErrorCode Source(MpmTransferDiagnostics *x, PetscInt field, PetscRea
 }
 
 /* Sums over this rank's particles m_p times two squares: that of q less G2P of y, and that of q. */
-static PetscErrorCode Remainder(const MpmMarch *march, const MpmPlaces *places, const PetscReal q[], PetscReal y[],
-                                PetscReal sums[2])
+static void Remainder(const MpmMarchArrays *at, const PetscReal q[], const PetscReal y[], PetscReal sums[2])
 {
-  PetscInt  whole;
-  PetscReal part;
+  const MpmMarch *march = at->march;
+  const MpmBasis *basis = march->scheme->basis;
 
-  PetscFunctionBegin;
-  PetscCall(MpmParticlesWhere(march->particles, 0, march->particles->step, &whole, &part));
-  sums[0] = sums[1] = 0;
   for (PetscInt p = 0; p < march->particles->count; p++) {
-    const PetscReal m    = places->mass ? places->mass[p] : 1;
-    PetscReal       rest = q[p], xi;
+    const PetscReal m    = at->weight[MPM_MASS] ? at->weight[MPM_MASS][p] : 1;
+    PetscReal       rest = q[p], xi, row[MPM_MAX_REACH];
     PetscInt        cell, wall[2];
-    MpmBlock        block;
 
-    MpmPlaceBlock(1, &places->cell[0][p], &places->xi[0][p], whole, part, &cell, &xi);
-    MpmDirectionWalls(&march->layout->grid[0], march->grid->axis[0].first, wall);
-    MpmBlockPlace(march->scheme->basis, 1, &cell, &xi, march->layout->half_width[0], wall, &block);
-    march->scheme->basis->kernel[MPM_G2P](&block, -1, &rest, y);
+    MpmMarchPlaces(at, 0, 1, &at->cell[0][p], &at->xi[0][p], 0, &cell, &xi);
+    MpmDirectionWalls(&march->layout->grid[0], march->grid->axis[0].first + cell, wall);
+    MpmMapRow(basis, MPM_G2P, xi, march->layout->half_width[0], wall, row);
+    for (PetscInt d = 0; d < MpmMapReach(basis); d++) rest -= row[d] * y[cell - basis->reach_left + d];
     sums[0] += m * rest * rest;
     sums[1] += m * q[p] * q[p];
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Measures the ringing content of a field. x->node holds P2G of the field at the particles' places. */
 static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscReal *ringing)
 {
-  const MpmMarch  *march  = x->march;
-  const MpmParity *parity = MpmTableParity(march->scheme->table, field);
-  PetscReal       *g, *y, *inverse_mass, sums[2] = {0, 0};
-  const PetscReal *q;
-  MpmPlaces        places;
-
+  const MpmMarch    *march  = x->march;
+  const MpmParity   *parity = MpmTableParity(march->scheme->table, field);
+  PetscReal         *g, *y, sums[2] = {0, 0};
+  MpmMarchArrays     at = {.march = march};
+  MpmPlaces          places;
   KSPConvergedReason reason;
 
   PetscFunctionBegin;
-  PetscCall(GetPlaces(march, &places));
+  PetscCall(MpmMarchGetArrays(march, march->particles->step, &at));
+  places = MpmMarchRest(&at);
   PetscCall(MpmGridGetArray(march->grid, x->node, &g));
   PetscCall(MpmGridGetArray(march->grid, x->other, &y));
-  PetscCall(MpmGridGetArray(march->grid, march->inverse_mass, &inverse_mass));
-  PetscCall(MpmNodalSolveTry(x->solve, march->particles, march->particles->step, &places, parity, inverse_mass, g, y,
-                             &reason));
-  PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[field], &q));
-  PetscCall(Remainder(march, &places, q, y, sums));
-  PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[field], &q));
-  PetscCall(MpmGridRestoreArray(march->grid, march->inverse_mass, &inverse_mass));
+  PetscCall(MpmNodalSolveTry(x->solve, march->particles, march->particles->step, &places, parity, at.sum[MPM_MASSES], g,
+                             y, &reason));
+  Remainder(&at, at.particle[field], y, sums);
   PetscCall(MpmGridRestoreArray(march->grid, x->other, &y));
   PetscCall(MpmGridRestoreArray(march->grid, x->node, &g));
-  PetscCall(RestorePlaces(march, &places));
+  PetscCall(MpmMarchRestoreArrays(march, &at));
   PetscCall(Ratio(x, sums[0], sums[1], ringing));
   if (reason <= 0) *ringing = NAN; /* the solve does not converge where particles almost coincide */
   PetscFunctionReturn(PETSC_SUCCESS);

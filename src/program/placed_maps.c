@@ -37,7 +37,7 @@ static Factor FactorOf(MpmOpKind kind)
 /* The derivative of a factor. Hats have the same slope all over a cell, and fit fields with it. */
 static Factor Derivative(const MpmBasis *basis, Factor factor)
 {
-  const PetscBool curved = basis->kernel[MPM_CURVE] ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool curved = basis->weights[MPM_CURVE] ? PETSC_TRUE : PETSC_FALSE;
 
   switch (factor) {
   case VALUE:

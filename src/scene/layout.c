@@ -26,6 +26,7 @@ void MpmLayoutSite(const MpmLayout *layout, PetscInt64 g, PetscInt *cell, PetscI
 }
 
 const char *const MpmBalanceNames[] = {"auto", "cells", "particles", NULL};
+const char *const MpmMarchNames[]   = {"fast", "plain", NULL};
 
 PetscInt64 MpmLayoutSitesBefore(const MpmLayout *layout, PetscInt cell)
 {

@@ -244,6 +244,8 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 1e15), .rival = "time", .tasks = "run", ASKED(AS_LONG, steps), IN(15, 0, 0, 0)},
   {"balance", MPM_WORD, "auto", "how ranks share the grid: cells, as many for each; particles, as many for each at the start; auto: particles where they rest and a rank would have 1.25 times the mean",
    WORDS(MpmBalanceNames), .tasks = "run", KEPT(AS_WORD, layout.balance), IN(0, 0, 54, 0), SHOWN(HasBalance)},
+  {"march", MPM_WORD, "fast", "how steps are run: fast, in passes over blocks of particles; plain, one operation after another. Both come to the same numbers but for rounding",
+   WORDS(MpmMarchNames), .tasks = "run", KEPT(AS_WORD, layout.march)},
   {"ranks", MPM_INTEGER, NULL, "ranks along each direction, such as 4,1 for slabs; their product is the number of ranks (default: the fewest ghosts)",
    BETWEEN(1, 1000000), .tasks = "run", EACH(AS_COUNT, layout.ranks, layout.ranks[0]), IN(0, 0, 55, 0), SHOWN(HasRanks)},
   {"time", MPM_REAL, NULL, "end of the run, instead of steps; rounded up to a whole step",

@@ -119,7 +119,7 @@ PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *s
   MpmSpace                *space   = &scene->scheme.space;
 
   PetscFunctionBegin;
-  space->curved    = scene->scheme.basis->kernel[MPM_CURVE] ? PETSC_TRUE : PETSC_FALSE;
+  space->curved    = scene->scheme.basis->weights[MPM_CURVE] ? PETSC_TRUE : PETSC_FALSE;
   space->displaced = MpmSpaceIsPrestressed(space) && (space->curved || space->dim > 1) ? PETSC_TRUE : PETSC_FALSE;
   for (size_t o = 0; o < PETSC_STATIC_ARRAY_LENGTH(moves); o++)
     if (MpmSettingsGiven(settings, moves[o]) && MpmSettingsSource(settings, moves[o]) != MPM_FROM_DEFAULT &&

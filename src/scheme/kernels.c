@@ -1,25 +1,5 @@
-/* Kernels on arrays, for particles and for nodes. The maps between the two are in scheme/basis. */
+/* Kernels on arrays, for particles and for nodes. The weights of maps between the two are in scheme/basis. */
 #include "scheme/kernels.h"
-
-#define LONGEST 4 /* particles in a run: bases have loops up to this length */
-
-/* Finds the runs of equal length; none (begin = end = n) if their lengths differ or are more than LONGEST. */
-static void FindRuns(PetscInt n, const PetscInt first[], MpmBlock *b)
-{
-  PetscInt unlike = 0, begin = 0, length = 0;
-
-  b->begin = b->end = n;
-  b->length         = 0;
-  while (begin < n && begin <= LONGEST && first[begin] == first[0]) begin++;
-  while (begin + length < n && length <= LONGEST && first[begin + length] == first[begin]) length++;
-  if (begin > LONGEST || length == 0 || length > LONGEST) return;
-  for (PetscInt p = begin; p < n - length; p++) unlike |= first[p + length] - first[p] - 1;
-  if (unlike) return;
-  if (begin == length && first[begin] == first[0] + 1) begin = 0; /* the first run is complete too */
-  b->begin  = begin;
-  b->end    = n - (n - begin) % length;
-  b->length = length;
-}
 
 void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal half_width,
                    const PetscInt wall[2], MpmBlock *b)
@@ -30,7 +10,73 @@ void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], con
   b->wall[0]    = wall[0];
   b->wall[1]    = wall[1];
   basis->first_nodes(n, cell, xi, b->first);
-  FindRuns(n, b->first, b);
+}
+
+#define INLINE static inline __attribute__((always_inline))
+
+INLINE void Gather(const PetscInt nodes, const MpmBlock *b, PetscInt stride, const PetscReal *restrict weight,
+                   PetscReal a, PetscReal *restrict particle, const PetscReal *restrict node)
+{
+  for (PetscInt p = 0; p < b->n; p++) {
+    const PetscReal *at  = node + b->first[p];
+    PetscReal        sum = 0;
+
+    for (PetscInt d = 0; d < nodes; d++) sum += weight[d * stride + p] * at[d];
+    particle[p] += a * sum;
+  }
+}
+
+/*
+   Sums stay in registers while particles have the same nodes, and move on when the nodes do: a sum in memory would wait
+   for the one before it to be stored.
+*/
+INLINE void Spread(const PetscInt nodes, const MpmBlock *b, PetscInt stride, const PetscReal *restrict weight,
+                   PetscReal a, const PetscReal *restrict particle, PetscReal *restrict node)
+{
+  PetscReal  sum[MPM_MOST_NODES] = {0};
+  PetscReal *at                  = node + b->first[0];
+
+  for (PetscInt p = 0; p < b->n; p++) {
+    const PetscReal  given = a * particle[p];
+    PetscReal *const next  = node + b->first[p];
+
+    if (next == at + 1) {
+      at[0] += sum[0];
+      for (PetscInt d = 0; d < nodes - 1; d++) sum[d] = sum[d + 1];
+      sum[nodes - 1] = 0;
+    } else if (next != at) {
+      for (PetscInt d = 0; d < nodes; d++) {
+        at[d] += sum[d];
+        sum[d] = 0;
+      }
+    }
+    at = next;
+    for (PetscInt d = 0; d < nodes; d++) sum[d] += weight[d * stride + p] * given;
+  }
+  for (PetscInt d = 0; d < nodes; d++) at[d] += sum[d];
+}
+
+/* The numbers of nodes of most bases are constants in their loops. */
+#define OF_NODES(Map)                                                                                                  \
+  if (nodes == 2)                                                                                                      \
+    Map(2, b, stride, weight, a, particle, node);                                                                      \
+  else if (nodes == 3)                                                                                                 \
+    Map(3, b, stride, weight, a, particle, node);                                                                      \
+  else if (nodes == 4)                                                                                                 \
+    Map(4, b, stride, weight, a, particle, node);                                                                      \
+  else                                                                                                                 \
+    Map(nodes, b, stride, weight, a, particle, node);
+
+void MpmWeightsGather(const MpmBlock *b, PetscInt nodes, PetscInt stride, const PetscReal *restrict weight, PetscReal a,
+                      PetscReal *restrict particle, const PetscReal *restrict node)
+{
+  OF_NODES(Gather)
+}
+
+void MpmWeightsSpread(const MpmBlock *b, PetscInt nodes, PetscInt stride, const PetscReal *restrict weight, PetscReal a,
+                      const PetscReal *restrict particle, PetscReal *restrict node)
+{
+  OF_NODES(Spread)
 }
 
 void MpmScale(PetscInt n, PetscReal a, PetscReal *restrict particle)
@@ -66,16 +112,6 @@ PetscReal MpmSumSquares(PetscInt n, const PetscReal *restrict q)
   for (int half = SIDE / 2; half > 0; half /= 2)
     for (int i = 0; i < half; i++) part[i] += part[i + half];
   return part[0];
-}
-
-void MpmNodeLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *restrict f, PetscReal *restrict out)
-{
-  for (PetscInt i = lo; i < hi; i++) out[i] = a * ((f[i + 1] - f[i]) - (f[i] - f[i - 1]));
-}
-
-void MpmNodeAddLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *restrict f, PetscReal *restrict out)
-{
-  for (PetscInt i = lo; i < hi; i++) out[i] += a * ((f[i + 1] - f[i]) - (f[i] - f[i - 1]));
 }
 
 void MpmNodeAdd(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal *restrict f, PetscReal *restrict out)

@@ -14,6 +14,17 @@
 void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], const PetscReal xi[], PetscReal half_width,
                    const PetscInt wall[2], MpmBlock *block);
 
+/*
+   A map along one direction with weights as MpmWeights sets them. MpmWeightsGather adds a times the sums over a particle's
+   nodes to particle[]; MpmWeightsSpread adds what particles give to node[].
+
+   Not collective.
+*/
+void MpmWeightsGather(const MpmBlock *block, PetscInt nodes, PetscInt stride, const PetscReal weight[], PetscReal a,
+                      PetscReal particle[], const PetscReal node[]);
+void MpmWeightsSpread(const MpmBlock *block, PetscInt nodes, PetscInt stride, const PetscReal weight[], PetscReal a,
+                      const PetscReal particle[], PetscReal node[]);
+
 /* Multiplies particle[] by a. For a = 0 the result is 0 whatever particle[] held. */
 void MpmScale(PetscInt n, PetscReal a, PetscReal particle[]);
 
@@ -30,13 +41,6 @@ void MpmPlaceBlock(PetscInt n, const PetscInt cell0[], const PetscReal xi0[], Pe
 
 /* Returns the sum of squares of q[0..n). */
 PetscReal MpmSumSquares(PetscInt n, const PetscReal q[]);
-
-/*
-   For i in [lo, hi), MpmNodeLaplacian sets out[i] = a (f[i+1] - 2 f[i] + f[i-1]), and MpmNodeAddLaplacian adds it to
-   out[i].
-*/
-void MpmNodeLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal f[], PetscReal out[]);
-void MpmNodeAddLaplacian(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal f[], PetscReal out[]);
 
 /* For i in [lo, hi), MpmNodeAdd adds a f[i] to out[i], and MpmNodeCopy sets out[i] = a f[i]. */
 void MpmNodeAdd(PetscInt lo, PetscInt hi, PetscReal a, const PetscReal f[], PetscReal out[]);

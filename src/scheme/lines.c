@@ -1,38 +1,11 @@
 /* Rows of nodes to one line, and back. The numbers of rows and of lines are constants in each loop, but for wide bases. */
 #include "scheme/lines.h"
 
-PetscInt MpmLineWeights(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width,
-                        const PetscInt wall[2], PetscReal weight[])
-{
-  const PetscInt cell = 0;
-  MpmBlock       block;
-
-  block.n          = 1;
-  block.xi         = &xi;
-  block.half_width = half_width;
-  block.wall[0]    = wall[0];
-  block.wall[1]    = wall[1];
-  basis->first_nodes(1, &cell, &xi, block.first);
-  basis->weights[kind](&block, 1, weight);
-  return block.first[0];
-}
-
-MpmOpKind MpmLineFirstAlike(const MpmBasis *basis, MpmOpKind kind)
-{
-  for (PetscInt k = 0; k < (PetscInt)kind; k++)
-    if (basis->kernel[k] == basis->kernel[kind]) return (MpmOpKind)k;
-  return kind;
-}
-
 MpmOpKind MpmLineKind(const MpmBasis *basis, MpmOpKind kind)
 {
-  static const MpmOpKind to_nodes[MPM_OP_KINDS] = {
-      [MPM_P2G] = MPM_P2G,          [MPM_P2G_AFFINE] = MPM_P2G_AFFINE, [MPM_DIV] = MPM_DIV,
-      [MPM_DIV_MLS] = MPM_DIV_MLS,  [MPM_CURVE] = MPM_CURVE,           [MPM_CURVE_MLS] = MPM_CURVE_MLS,
-      [MPM_G2P] = MPM_P2G,          [MPM_G2P_AFFINE] = MPM_DIV_MLS,    [MPM_GRAD] = MPM_DIV,
-      [MPM_GRAD_MLS] = MPM_DIV_MLS, [MPM_G2P_SLOPE] = MPM_DIV};
-
-  return MpmLineFirstAlike(basis, to_nodes[kind]);
+  for (PetscInt k = 0; k < (PetscInt)kind; k++)
+    if (basis->weights[k] == basis->weights[kind]) return (MpmOpKind)k;
+  return kind;
 }
 
 #define INLINE static inline __attribute__((always_inline))

@@ -1,26 +1,17 @@
-/* The maps between particles and nodes as rows of numbers, from their kernels. */
+/* The maps between particles and nodes as rows of numbers, from their weights. */
 #include "scheme/maps.h"
 
 void MpmMapRow(const MpmBasis *basis, MpmOpKind kind, PetscReal xi, PetscReal half_width, const PetscInt wall[2],
                PetscReal row[])
 {
-  const MpmKernel kernel = basis->kernel[kind];
-  const PetscInt  reach = MpmMapReach(basis), cell = 0;
-  PetscReal       unit[MPM_MAX_REACH] = {0}, particle = 1;
-  MpmBlock        block;
+  const PetscInt reach = MpmMapReach(basis), cell = 0;
+  PetscReal      weight[MPM_MOST_NODES];
+  MpmBlock       block;
 
   MpmBlockPlace(basis, 1, &cell, &xi, half_width, wall, &block);
-  if (MpmOpTraitsOf(kind).dst == MPM_ON_NODES) {
-    kernel(&block, 1, &particle, unit + basis->reach_left);
-    for (PetscInt d = 0; d < reach; d++) row[d] = unit[d];
-    return;
-  }
-  for (PetscInt d = 0; d < reach; d++) {
-    row[d]  = 0;
-    unit[d] = 1;
-    kernel(&block, 1, &row[d], unit + basis->reach_left);
-    unit[d] = 0;
-  }
+  basis->weights[kind](&block, 1, weight);
+  for (PetscInt d = 0; d < reach; d++) row[d] = 0;
+  for (PetscInt d = 0; d < basis->nodes; d++) row[basis->reach_left + block.first[0] + d] = weight[d];
 }
 
 void MpmNodesSeen(const MpmDirection *direction, const MpmBasis *basis, PetscInt cell, MpmParity parity, PetscBool drop,

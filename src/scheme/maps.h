@@ -17,8 +17,8 @@ static inline PetscInt MpmMapReach(const MpmBasis *basis)
    phi_ip for P2G and G2P, h dphi_ip/dx for DIV and GRAD. row[0] belongs to the node reach_left to the left of its
    cell's left node. half_width is that of MpmBlock, and wall is counted from the cell (MpmDirectionWalls).
 
-   Not collective. The weights are what the operation's kernel makes of unit vectors, so that what is analysed is what
-   runs. They are not divided by the nodal masses. row has MpmMapReach entries.
+   Not collective. The weights are those that the march has, so that what is analysed is what runs. They are not divided
+   by the nodal masses. row has MpmMapReach entries.
 
    In more dimensions a map's weights are products over the directions: of the row of its kind in the direction that it
    acts along, and of the row of G2P, phi_ip, in the others.

@@ -10,47 +10,52 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-PetscBool MpmRunsFind(const MpmBasis *basis, const MpmBlock *b)
+PetscBool MpmRunsFind(const MpmBasis *basis, const MpmBlock *b, MpmRuns *runs)
 {
-  PetscInt unlike = 0;
+  const PetscInt *first = b->first, n = b->n;
+  PetscInt        unlike = 0, begin = 0, length = 0;
 
-  if (b->length == 0 || MpmBasisIsAltered(basis)) return PETSC_FALSE;
-  if (basis->nodes < 2 || basis->nodes > MPM_MOST_RUN_NODES) return PETSC_FALSE;
-  for (PetscInt p = b->length; p < b->n; p++)
-    unlike |= (b->xi[p] != b->xi[p - b->length]) | (b->first[p] != b->first[p - b->length] + 1);
-  return unlike ? PETSC_FALSE : PETSC_TRUE;
+  if (MpmBasisIsAltered(basis) || basis->nodes < 2 || basis->nodes > MPM_MOST_RUN_NODES) return PETSC_FALSE;
+  while (begin < n && begin <= MPM_LONGEST_RUN && first[begin] == first[0]) begin++;
+  while (begin + length < n && length <= MPM_LONGEST_RUN && first[begin + length] == first[begin]) length++;
+  if (length == 0 || length > MPM_LONGEST_RUN) return PETSC_FALSE;
+  for (PetscInt p = length; p < n; p++) unlike |= (b->xi[p] != b->xi[p - length]) | (first[p] != first[p - length] + 1);
+  if (unlike) return PETSC_FALSE;
+  if (begin == length) begin = 0; /* the first run is whole too */
+  *runs = (MpmRuns){.begin = begin, .end = n - (n - begin) % length, .length = length};
+  return PETSC_TRUE;
 }
 
-void MpmRunsWeights(const MpmBasis *basis, MpmOpKind kind, const MpmBlock *b, PetscReal weight[])
+void MpmRunsWeights(const MpmBasis *basis, MpmOpKind kind, const MpmBlock *b, const MpmRuns *runs, PetscReal weight[])
 {
   MpmBlock run;
 
-  run.n          = b->length;
-  run.xi         = b->xi + b->begin;
+  run.n          = runs->length;
+  run.xi         = b->xi + runs->begin;
   run.half_width = b->half_width;
-  basis->weights[kind](&run, b->length, weight);
+  basis->weights[kind](&run, runs->length, weight);
 }
 
 /* The place of a particle in its run. Particles before the first whole run are the last ones of a run. */
-static inline PetscInt InRun(const MpmBlock *b, PetscInt p)
+static inline PetscInt InRun(const MpmRuns *r, PetscInt p)
 {
-  return (p - b->begin + b->length) % b->length;
+  return (p - r->begin + r->length) % r->length;
 }
 
-INLINE void GatherEach(PetscInt begin, PetscInt end, PetscInt nodes, const MpmBlock *b,
+INLINE void GatherEach(PetscInt begin, PetscInt end, PetscInt nodes, const MpmBlock *b, const MpmRuns *r,
                        const PetscReal *restrict weight, PetscReal a, PetscReal *restrict particle,
                        const PetscReal *restrict node)
 {
   for (PetscInt p = begin; p < end; p++)
-    for (PetscInt d = 0; d < nodes; d++) particle[p] += a * weight[d * b->length + InRun(b, p)] * node[b->first[p] + d];
+    for (PetscInt d = 0; d < nodes; d++) particle[p] += a * weight[d * r->length + InRun(r, p)] * node[b->first[p] + d];
 }
 
-INLINE void SpreadEach(PetscInt begin, PetscInt end, PetscInt nodes, const MpmBlock *b,
+INLINE void SpreadEach(PetscInt begin, PetscInt end, PetscInt nodes, const MpmBlock *b, const MpmRuns *r,
                        const PetscReal *restrict weight, PetscReal a, const PetscReal *restrict particle,
                        PetscReal *restrict node)
 {
   for (PetscInt p = begin; p < end; p++)
-    for (PetscInt d = 0; d < nodes; d++) node[b->first[p] + d] += a * weight[d * b->length + InRun(b, p)] * particle[p];
+    for (PetscInt d = 0; d < nodes; d++) node[b->first[p] + d] += a * weight[d * r->length + InRun(r, p)] * particle[p];
 }
 
 #ifdef REGISTERS_OF_4
@@ -176,12 +181,13 @@ INLINE void SpreadPairs(const PetscInt nodes, PetscInt count, const PetscReal we
 }
 #endif
 
-INLINE void GatherRuns(const PetscInt length, const PetscInt nodes, const MpmBlock *b, const PetscReal *restrict weight,
-                       PetscReal a, PetscReal *restrict particle, const PetscReal *restrict node)
+INLINE void GatherRuns(const PetscInt length, const PetscInt nodes, const MpmBlock *b, const MpmRuns *r,
+                       const PetscReal *restrict weight, PetscReal a, PetscReal *restrict particle,
+                       const PetscReal *restrict node)
 {
-  const PetscInt count           = (b->end - b->begin) / length;
-  const PetscReal *restrict from = node + b->first[b->begin];
-  PetscReal *restrict q          = particle + b->begin;
+  const PetscInt count           = (r->end - r->begin) / length;
+  const PetscReal *restrict from = node + b->first[r->begin];
+  PetscReal *restrict q          = particle + r->begin;
   PetscReal w[MPM_LONGEST_RUN * MPM_MOST_RUN_NODES];
 
   for (PetscInt i = 0; i < length * nodes; i++) w[i] = a * weight[i];
@@ -199,12 +205,13 @@ INLINE void GatherRuns(const PetscInt length, const PetscInt nodes, const MpmBlo
    of[i] has what the i-th particles of all runs hold, between zeros. So what a node gets is one sum, and no sum in memory
    is added to twice.
 */
-INLINE void SpreadRuns(const PetscInt length, const PetscInt nodes, const MpmBlock *b, const PetscReal *restrict weight,
-                       PetscReal a, const PetscReal *restrict particle, PetscReal *restrict node)
+INLINE void SpreadRuns(const PetscInt length, const PetscInt nodes, const MpmBlock *b, const MpmRuns *r,
+                       const PetscReal *restrict weight, PetscReal a, const PetscReal *restrict particle,
+                       PetscReal *restrict node)
 {
-  const PetscInt count = (b->end - b->begin) / length, pad = MPM_MOST_RUN_NODES - 1;
-  const PetscReal *restrict q = particle + b->begin;
-  PetscReal *restrict to      = node + b->first[b->begin];
+  const PetscInt count = (r->end - r->begin) / length, pad = MPM_MOST_RUN_NODES - 1;
+  const PetscReal *restrict q = particle + r->begin;
+  PetscReal *restrict to      = node + b->first[r->begin];
   PetscReal of[MPM_LONGEST_RUN][MPM_BLOCK + 2 * (MPM_MOST_RUN_NODES - 1)], w[MPM_LONGEST_RUN * MPM_MOST_RUN_NODES];
 
   for (PetscInt i = 0; i < length * nodes; i++) w[i] = a * weight[i];
@@ -224,24 +231,24 @@ INLINE void SpreadRuns(const PetscInt length, const PetscInt nodes, const MpmBlo
 /* Calls RUNS with the length of the runs and the number of nodes as constants. */
 #define OF_NODES(RUNS, length)                                                                                         \
   do {                                                                                                                 \
-    if (nodes == 2) RUNS(length, 2, b, weight, a, particle, node);                                                     \
-    if (nodes == 3) RUNS(length, 3, b, weight, a, particle, node);                                                     \
-    if (nodes == 4) RUNS(length, 4, b, weight, a, particle, node);                                                     \
+    if (nodes == 2) RUNS(length, 2, b, r, weight, a, particle, node);                                                  \
+    if (nodes == 3) RUNS(length, 3, b, r, weight, a, particle, node);                                                  \
+    if (nodes == 4) RUNS(length, 4, b, r, weight, a, particle, node);                                                  \
   } while (0)
 #define OF_LENGTH(RUNS)                                                                                                \
   do {                                                                                                                 \
-    if (b->length == 1) OF_NODES(RUNS, 1);                                                                             \
-    if (b->length == 2) OF_NODES(RUNS, 2);                                                                             \
-    if (b->length == 3) OF_NODES(RUNS, 3);                                                                             \
-    if (b->length == 4) OF_NODES(RUNS, 4);                                                                             \
+    if (r->length == 1) OF_NODES(RUNS, 1);                                                                             \
+    if (r->length == 2) OF_NODES(RUNS, 2);                                                                             \
+    if (r->length == 3) OF_NODES(RUNS, 3);                                                                             \
+    if (r->length == 4) OF_NODES(RUNS, 4);                                                                             \
   } while (0)
 
-static void GatherOne(const MpmBlock *b, PetscInt nodes, const PetscReal *restrict weight, PetscReal a,
-                      PetscReal *restrict particle, const PetscReal *restrict node)
+static void GatherOne(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const PetscReal *restrict weight,
+                      PetscReal a, PetscReal *restrict particle, const PetscReal *restrict node)
 {
-  GatherEach(0, b->begin, nodes, b, weight, a, particle, node);
+  GatherEach(0, r->begin, nodes, b, r, weight, a, particle, node);
   OF_LENGTH(GatherRuns);
-  GatherEach(b->end, b->n, nodes, b, weight, a, particle, node);
+  GatherEach(r->end, b->n, nodes, b, r, weight, a, particle, node);
 }
 
 #ifdef REGISTERS_OF_4
@@ -253,55 +260,55 @@ static void GatherOne(const MpmBlock *b, PetscInt nodes, const PetscReal *restri
     if (nodes == 4) PAIRS(4, __VA_ARGS__);                                                                             \
   } while (0)
 
-static void GatherTwos(const MpmBlock *b, PetscInt nodes, const PetscReal *restrict weight, PetscInt n,
-                       const PetscReal a[], PetscReal *const particle[], const PetscReal *restrict node)
+static void GatherTwos(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const PetscReal *restrict weight,
+                       PetscInt n, const PetscReal a[], PetscReal *const particle[], const PetscReal *restrict node)
 {
-  const PetscReal *from  = node + b->first[b->begin];
-  const PetscInt   count = (b->end - b->begin) / 2;
+  const PetscReal *from  = node + b->first[r->begin];
+  const PetscInt   count = (r->end - r->begin) / 2;
   PetscReal       *q[MPM_MOST_TARGETS];
 
   for (PetscInt t = 0; t < n; t++) {
-    q[t] = particle[t] + b->begin;
-    GatherEach(0, b->begin, nodes, b, weight, a[t], particle[t], node);
-    GatherEach(b->end, b->n, nodes, b, weight, a[t], particle[t], node);
+    q[t] = particle[t] + r->begin;
+    GatherEach(0, r->begin, nodes, b, r, weight, a[t], particle[t], node);
+    GatherEach(r->end, b->n, nodes, b, r, weight, a[t], particle[t], node);
   }
   if (n == 1) PAIRS_OF_NODES(GatherPairs, 1, count, weight, a, q, from);
   if (n == 2) PAIRS_OF_NODES(GatherPairs, 2, count, weight, a, q, from);
   if (n == 3) PAIRS_OF_NODES(GatherPairs, 3, count, weight, a, q, from);
 }
 
-static void SpreadTwos(const MpmBlock *b, PetscInt nodes, const PetscReal weight[], PetscReal a,
+static void SpreadTwos(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const PetscReal weight[], PetscReal a,
                        const PetscReal *restrict particle, PetscReal *restrict node)
 {
-  const PetscReal *q     = particle + b->begin;
-  PetscReal       *to    = node + b->first[b->begin];
-  const PetscInt   count = (b->end - b->begin) / 2;
+  const PetscReal *q     = particle + r->begin;
+  PetscReal       *to    = node + b->first[r->begin];
+  const PetscInt   count = (r->end - r->begin) / 2;
   PetscReal        w[2 * MPM_MOST_RUN_NODES];
 
   for (PetscInt i = 0; i < 2 * nodes; i++) w[i] = a * weight[i];
-  SpreadEach(0, b->begin, nodes, b, weight, a, particle, node);
+  SpreadEach(0, r->begin, nodes, b, r, weight, a, particle, node);
   PAIRS_OF_NODES(SpreadPairs, count, w, q, to);
-  SpreadEach(b->end, b->n, nodes, b, weight, a, particle, node);
+  SpreadEach(r->end, b->n, nodes, b, r, weight, a, particle, node);
 }
 #endif
 
-void MpmRunsGather(const MpmBlock *b, PetscInt nodes, const PetscReal *restrict weight, PetscInt n, const PetscReal a[],
-                   PetscReal *const particle[], const PetscReal *restrict node)
+void MpmRunsGather(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const PetscReal *restrict weight, PetscInt n,
+                   const PetscReal a[], PetscReal *const particle[], const PetscReal *restrict node)
 {
   PetscReal sum[MPM_BLOCK];
 
 #ifdef REGISTERS_OF_4
-  if (b->length == 2) {
-    GatherTwos(b, nodes, weight, n, a, particle, node);
+  if (r->length == 2) {
+    GatherTwos(b, r, nodes, weight, n, a, particle, node);
     return;
   }
 #endif
   if (n == 1) {
-    GatherOne(b, nodes, weight, a[0], particle[0], node);
+    GatherOne(b, r, nodes, weight, a[0], particle[0], node);
     return;
   }
   for (PetscInt p = 0; p < b->n; p++) sum[p] = 0;
-  GatherOne(b, nodes, weight, 1, sum, node);
+  GatherOne(b, r, nodes, weight, 1, sum, node);
   for (PetscInt t = 0; t < n; t++) {
     PetscReal *restrict q = particle[t];
 
@@ -309,16 +316,16 @@ void MpmRunsGather(const MpmBlock *b, PetscInt nodes, const PetscReal *restrict 
   }
 }
 
-void MpmRunsSpread(const MpmBlock *b, PetscInt nodes, const PetscReal *restrict weight, PetscReal a,
+void MpmRunsSpread(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const PetscReal *restrict weight, PetscReal a,
                    const PetscReal *restrict particle, PetscReal *restrict node)
 {
 #ifdef REGISTERS_OF_4
-  if (b->length == 2) {
-    SpreadTwos(b, nodes, weight, a, particle, node);
+  if (r->length == 2) {
+    SpreadTwos(b, r, nodes, weight, a, particle, node);
     return;
   }
 #endif
-  SpreadEach(0, b->begin, nodes, b, weight, a, particle, node);
+  SpreadEach(0, r->begin, nodes, b, r, weight, a, particle, node);
   OF_LENGTH(SpreadRuns);
-  SpreadEach(b->end, b->n, nodes, b, weight, a, particle, node);
+  SpreadEach(r->end, b->n, nodes, b, r, weight, a, particle, node);
 }

@@ -184,7 +184,7 @@ static PetscErrorCode UniformEqualsLine(const char options[])
     for (PetscInt f = 0; scene[i]->scheme.table->fields[f]; f++)
       PetscCall(SetField(march[i], scene[i]->scheme.table->fields[f], NULL));
     PetscCall(SetField(march[i], scene[i]->scheme.table->fields[0], Column));
-    PetscCall(MpmMarchRunPasses(march[i], 1, &march[i]->schedule.start, PETSC_FALSE));
+    PetscCall(MpmMarchStart(march[i]));
     for (int step = 0; step < 30; step++) PetscCall(MpmMarchStep(march[i], PETSC_FALSE));
   }
   for (int f = 0; f < 2; f++) {
@@ -233,7 +233,7 @@ static PetscErrorCode AxesExchange(const char xy[], const char yx[])
     for (PetscInt f = 0; scene[i]->scheme.table->fields[f]; f++)
       PetscCall(SetField(march[i], scene[i]->scheme.table->fields[f], NULL));
     PetscCall(SetField(march[i], fields[0][i], i ? Exchanged : Itself));
-    PetscCall(MpmMarchRunPasses(march[i], 1, &march[i]->schedule.start, PETSC_FALSE));
+    PetscCall(MpmMarchStart(march[i]));
     for (int step = 0; step < 20; step++) PetscCall(MpmMarchStep(march[i], PETSC_FALSE));
   }
   for (size_t f = 0; f < PETSC_STATIC_ARRAY_LENGTH(fields); f++) {

@@ -22,6 +22,29 @@ static const MpmBlock *At(const MpmBasis *basis, PetscInt n, const PetscInt cell
   return &block;
 }
 
+/* Runs a map of a kind: adds a times what particles give to nodes, or what they get from nodes. */
+static void Map(const MpmBasis *basis, MpmOpKind kind, const MpmBlock *block, PetscReal a, PetscReal q[],
+                PetscReal node[])
+{
+  static PetscReal weight[MPM_MOST_NODES * MPM_BLOCK];
+
+  basis->weights[kind](block, MPM_BLOCK, weight);
+  if (MpmOpTraitsOf(kind).dst == MPM_ON_NODES)
+    MpmWeightsSpread(block, basis->nodes, MPM_BLOCK, weight, a, q, node);
+  else
+    MpmWeightsGather(block, basis->nodes, MPM_BLOCK, weight, a, q, node);
+}
+
+/* P2G, and the masses. */
+static void MapMass(const MpmBasis *basis, const MpmBlock *block, PetscReal q[], PetscReal node[], PetscReal mass[])
+{
+  PetscReal ones[MPM_BLOCK];
+
+  for (PetscInt p = 0; p < block->n; p++) ones[p] = 1;
+  Map(basis, MPM_P2G, block, 1, q, node);
+  Map(basis, MPM_P2G, block, 1, ones, mass);
+}
+
 static void Scatter(Cloud *c)
 {
   for (PetscInt p = 0; p < N; p++) {
@@ -39,7 +62,7 @@ static void CheckConstants(const MpmBasis *basis, PetscReal width)
   PetscReal total = 0, sum = 0;
 
   Scatter(&c);
-  basis->p2g_mass(At(basis, N, c.cell, c.xi, width), c.q, c.node + PAD, c.mass + PAD);
+  MapMass(basis, At(basis, N, c.cell, c.xi, width), c.q, c.node + PAD, c.mass + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) {
     total += c.mass[i];
     sum += c.node[i];
@@ -50,7 +73,7 @@ static void CheckConstants(const MpmBasis *basis, PetscReal width)
 
   Scatter(&c);
   for (PetscInt p = 0; p < N; p++) c.q[p] = 1;
-  basis->p2g_mass(At(basis, N, c.cell, c.xi, width), c.q, c.node + PAD, c.mass + PAD);
+  MapMass(basis, At(basis, N, c.cell, c.xi, width), c.q, c.node + PAD, c.mass + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) CHECK_NEAR(c.node[i], c.mass[i], 1e-14);
 }
 
@@ -61,12 +84,12 @@ static void CheckAffine(const MpmBasis *basis, PetscReal width)
   /* G2P reproduces 3 + 2x, and GRAD gives 2, with a = 1 and h = 1. Both add a times this to what was there. */
   Scatter(&c);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) c.node[i] = 3 + 2.0 * (i - PAD);
-  basis->kernel[MPM_G2P](At(basis, N, c.cell, c.xi, width), 0.5, c.q, c.node + PAD);
+  Map(basis, MPM_G2P, At(basis, N, c.cell, c.xi, width), 0.5, c.q, c.node + PAD);
   for (PetscInt p = 0; p < N; p++)
     CHECK_NEAR(c.q[p], MpmHash(5, p) - 0.5 + 0.5 * (3 + 2 * (c.cell[p] + c.xi[p])), 1e-13);
   Scatter(&c);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) c.node[i] = 3 + 2.0 * (i - PAD);
-  basis->kernel[MPM_GRAD](At(basis, N, c.cell, c.xi, width), 0.5, c.q, c.node + PAD);
+  Map(basis, MPM_GRAD, At(basis, N, c.cell, c.xi, width), 0.5, c.q, c.node + PAD);
   for (PetscInt p = 0; p < N; p++) CHECK_NEAR(c.q[p], MpmHash(5, p) - 0.5 + 0.5 * 2, 1e-13);
 }
 
@@ -78,17 +101,17 @@ static void CheckAdjoint(const MpmBasis *basis, PetscReal width)
 
   Scatter(&a);
   Scatter(&b);
-  basis->kernel[MPM_P2G](At(basis, N, a.cell, a.xi, width), 1, a.q, a.node + PAD);
+  Map(basis, MPM_P2G, At(basis, N, a.cell, a.xi, width), 1, a.q, a.node + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) b.node[i] = MpmHash(6, i);
   memset(b.q, 0, sizeof b.q);
-  basis->kernel[MPM_G2P](At(basis, N, b.cell, b.xi, width), 1, b.q, b.node + PAD);
+  Map(basis, MPM_G2P, At(basis, N, b.cell, b.xi, width), 1, b.q, b.node + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) left += a.node[i] * b.node[i];
   for (PetscInt p = 0; p < N; p++) right += a.q[p] * b.q[p];
   CHECK_NEAR(left, right, 1e-12);
 
   /* the sum is the same with and without masses */
   Scatter(&b);
-  basis->p2g_mass(At(basis, N, b.cell, b.xi, width), b.q, b.node + PAD, b.mass + PAD);
+  MapMass(basis, At(basis, N, b.cell, b.xi, width), b.q, b.node + PAD, b.mass + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) CHECK_NEAR(a.node[i], b.node[i], 1e-14);
 }
 
@@ -103,10 +126,10 @@ static void CheckMoments(const MpmBasis *basis, PetscReal width)
 
   Scatter(&a);
   Scatter(&b);
-  basis->kernel[MPM_DIV](At(basis, N, a.cell, a.xi, width), 0.5, a.q, a.node + PAD);
+  Map(basis, MPM_DIV, At(basis, N, a.cell, a.xi, width), 0.5, a.q, a.node + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) b.node[i] = MpmHash(6, i);
   memset(b.q, 0, sizeof b.q);
-  basis->kernel[MPM_GRAD](At(basis, N, b.cell, b.xi, width), 0.5, b.q, b.node + PAD);
+  Map(basis, MPM_GRAD, At(basis, N, b.cell, b.xi, width), 0.5, b.q, b.node + PAD);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) left += a.node[i] * b.node[i];
   for (PetscInt p = 0; p < N; p++) right += a.q[p] * b.q[p];
   CHECK_NEAR(left, right, 1e-12);
@@ -114,13 +137,13 @@ static void CheckMoments(const MpmBasis *basis, PetscReal width)
   CHECK_NEAR(sum, 0, 1e-12); /* the gradients of all functions sum to 0 */
 
   Scatter(&a);
-  basis->kernel[MPM_P2G_AFFINE](At(basis, N, a.cell, a.xi, width), 1, a.q, a.node + PAD);
+  Map(basis, MPM_P2G_AFFINE, At(basis, N, a.cell, a.xi, width), 1, a.q, a.node + PAD);
   for (PetscInt p = 0; p < N; p++) { /* phi by its definition, from G2P of a nodal field that is 1 at one node */
     for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) {
       PetscReal unit[CELLS + 2 * PAD] = {0}, phi = 0;
 
       unit[i] = 1;
-      basis->kernel[MPM_G2P](At(basis, 1, &a.cell[p], &a.xi[p], width), 1, &phi, unit + PAD);
+      Map(basis, MPM_G2P, At(basis, 1, &a.cell[p], &a.xi[p], width), 1, &phi, unit + PAD);
       a.node[i] -= phi * a.q[p] * (i - PAD - a.cell[p] - a.xi[p]);
     }
   }
@@ -128,7 +151,7 @@ static void CheckMoments(const MpmBasis *basis, PetscReal width)
 
   Scatter(&a);
   for (PetscInt i = 0; i < CELLS + 2 * PAD; i++) a.node[i] = 3 + 2.0 * (i - PAD);
-  basis->kernel[MPM_G2P_AFFINE](At(basis, N, a.cell, a.xi, width), 0.5, a.q, a.node + PAD);
+  Map(basis, MPM_G2P_AFFINE, At(basis, N, a.cell, a.xi, width), 0.5, a.q, a.node + PAD);
   for (PetscInt p = 0; p < N; p++) CHECK_NEAR(a.q[p], MpmHash(5, p) - 0.5 + 0.5 * 2, 1e-12);
 }
 
@@ -148,8 +171,8 @@ static void CheckContinuity(const MpmBasis *basis)
     const PetscReal xi   = (PetscReal)(i % n) / n;
     PetscReal       phi = 0, slope = 0;
 
-    basis->kernel[MPM_G2P](At(basis, 1, &cell, &xi, width), 1, &phi, unit + PAD);
-    basis->kernel[MPM_GRAD](At(basis, 1, &cell, &xi, width), 1, &slope, unit + PAD);
+    Map(basis, MPM_G2P, At(basis, 1, &cell, &xi, width), 1, &phi, unit + PAD);
+    Map(basis, MPM_GRAD, At(basis, 1, &cell, &xi, width), 1, &slope, unit + PAD);
     CHECK(fabs(phi - before) <= 1.01 * step, "%s: phi jumps from %g to %g at %g", basis->name, before, phi, cell + xi);
     if (!basis->hat)
       CHECK(fabs(slope - slope_before) <= 4.1 * step, "%s: slope jumps from %g to %g at %g", basis->name, slope_before,
@@ -181,15 +204,15 @@ static void CheckRuns(const MpmBasis *basis, const PetscInt counts[], PetscInt n
   for (PetscInt k = 0; k < 6; k++) {
     for (PetscInt i = 0; i < ROWS; i++) q[0][i] = q[1][i] = MpmHash(8, i) - 0.5;
     for (PetscInt i = 0; i < ROWS + 2 * PAD; i++) node[0][i] = node[1][i] = MpmHash(9, i) - 0.5;
-    basis->kernel[kinds[k]](At(basis, ROWS, cell, xi, width), 0.5, q[0], node[0] + PAD);
+    Map(basis, kinds[k], At(basis, ROWS, cell, xi, width), 0.5, q[0], node[0] + PAD);
     for (p = 0; p < ROWS; p++)
-      basis->kernel[kinds[k]](At(basis, 1, &cell[p], &xi[p], width), 0.5, &q[1][p], node[1] + PAD);
+      Map(basis, kinds[k], At(basis, 1, &cell[p], &xi[p], width), 0.5, &q[1][p], node[1] + PAD);
     for (PetscInt i = 0; i < ROWS + 2 * PAD; i++) CHECK_NEAR(node[0][i], node[1][i], 1e-14);
     for (p = 0; p < ROWS; p++) CHECK_NEAR(q[0][p], q[1][p], 1e-14 * fmax(1, fabs(q[1][p])));
   }
-  basis->p2g_mass(At(basis, ROWS, cell, xi, width), q[0], node[0] + PAD, mass[0] + PAD);
+  MapMass(basis, At(basis, ROWS, cell, xi, width), q[0], node[0] + PAD, mass[0] + PAD);
   for (p = 0; p < ROWS; p++)
-    basis->p2g_mass(At(basis, 1, &cell[p], &xi[p], width), &q[0][p], node[1] + PAD, mass[1] + PAD);
+    MapMass(basis, At(basis, 1, &cell[p], &xi[p], width), &q[0][p], node[1] + PAD, mass[1] + PAD);
   for (PetscInt i = 0; i < ROWS + 2 * PAD; i++) {
     CHECK_NEAR(node[0][i], node[1][i], 1e-13 * fmax(1, fabs(node[1][i])));
     CHECK_NEAR(mass[0][i], mass[1][i], 1e-14 * fmax(1, fabs(mass[1][i])));
@@ -217,7 +240,7 @@ static void CheckGap(const MpmBasis *basis)
     q[p]    = 1;
     sum -= cell[p] + xi[p];
   }
-  basis->kernel[MPM_P2G](At(basis, 128, cell, xi, 0.25), 1, q, node + PAD);
+  Map(basis, MPM_P2G, At(basis, 128, cell, xi, 0.25), 1, q, node + PAD);
   for (PetscInt i = 0; i < 80; i++) sum += (i - PAD) * node[i];
   CHECK_NEAR(sum, 0, 1e-11); /* linear reproduction: the sum is that of the places */
 }

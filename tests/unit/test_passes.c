@@ -150,17 +150,17 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(Bounds("-formulation gas2", 3));
   PetscCall(Bounds("-formulation elastic", 3)); /* w: 1 + 4k; u: 1 + k (1 + 4k) */
   PetscCall(Bounds("-formulation usl", 4));     /* a: 4k; v: 1 + 4k; s: 1 + 2k (1 + 4k) */
-  /* both node fields change, and the mass does not; under drift it changes too */
-  PetscCall(Moves("-formulation gas2", PETSC_FALSE, 12 + 32 + (32 + 8) / 2));
-  PetscCall(Moves("-formulation gas2", PETSC_TRUE, 32 + (32 + 8) / 2));
-  PetscCall(Moves("-formulation gas2 -drift 1/8", PETSC_TRUE, 32 + (32 + 16) / 2));
+  /* each of two passes reads one node field and changes the other, and reads the mass; under drift one changes it too */
+  PetscCall(Moves("-formulation gas2", PETSC_FALSE, 2 * 12 + 32 + 2 * (24 + 8) / 2));
+  PetscCall(Moves("-formulation gas2", PETSC_TRUE, 32 + 2 * (24 + 8) / 2));
+  PetscCall(Moves("-formulation gas2 -drift 1/8", PETSC_TRUE, 32 + (2 * (24 + 8) + 8) / 2));
   /* the old node fields are kept beside the new ones */
   PetscCall(Moves("-formulation gas1", PETSC_TRUE, 32 + (48 + 8) / 2));
-  /* u, w and the old w, a, mass; LAP and ADD follow the particles */
-  PetscCall(Moves("-formulation elastic", PETSC_TRUE, 32 + (16 + 24 + 16 + 8) / 2));
+  /* u, w and the old w, a, mass; LAP and ADD are sweeps */
+  PetscCall(Moves("-formulation elastic", PETSC_TRUE, 32 + (16 + 24 + 8 + 8 + 2 * 24) / 2));
   PetscCall(Moves("-formulation usl -material two -density_ratio 4 -stiffness_ratio 2", PETSC_FALSE,
-                  12 + 32 + 16 + (48 + 8) / 2));
-  /* v, s, v_i and the old v_i, a_i and the old a_i, mass. ADD comes after a wall, so it is a sweep. */
+                  12 + 32 + 16 + (48 + 8 + 24) / 2));
+  /* v, s, v_i and the old v_i, a_i and the old a_i, mass; ADD */
   PetscCall(Moves("-formulation usl -boundary fixed", PETSC_TRUE, 32 + (24 + 24 + 8 + 24) / 2));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

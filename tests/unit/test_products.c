@@ -1,4 +1,4 @@
-/* The maps of bundles and of runs beside the rows of numbers that MpmMapRow makes of the kernels: they are the same maps. */
+/* The maps of bundles and of runs beside the rows of numbers of MpmMapRow: they are the same maps. */
 #include "check.h"
 #include "base/hash.h"
 #include "scheme/bundles.h"
@@ -106,7 +106,7 @@ static void CheckBundle(const MpmBasis *basis, Cloud *c, PetscInt n, PetscInt wi
         (int)n, (int)width, (double)off);
 }
 
-/* Runs of so many particles beside the kernels. first: of the particles in a cell, the one that a row begins with. */
+/* Runs of so many particles beside each by itself. first: of the particles in a cell, the one that a row begins with. */
 static void CheckRuns(const MpmBasis *basis, PetscInt length, PetscInt first, MpmOpKind gather, MpmOpKind spread)
 {
   enum { N = 23, NODES = N + 12 };
@@ -114,7 +114,9 @@ static void CheckRuns(const MpmBasis *basis, PetscInt length, PetscInt first, Mp
   PetscInt        cell[N];
   PetscReal      *to[MPM_MOST_TARGETS];
   PetscReal       xi[N], weight[MPM_LONGEST_RUN * MPM_MOST_RUN_NODES], q[1 + MPM_MOST_TARGETS][N], node[2][NODES];
+  PetscReal       each[MPM_MOST_NODES * N];
   MpmBlock        block;
+  MpmRuns         runs;
 
   for (PetscInt p = 0; p < N; p++) {
     cell[p] = 4 + (first + p) / length;
@@ -123,24 +125,26 @@ static void CheckRuns(const MpmBasis *basis, PetscInt length, PetscInt first, Mp
   }
   for (PetscInt i = 0; i < NODES; i++) node[0][i] = node[1][i] = MpmHash(9, i);
   MpmBlockPlace(basis, N, cell, xi, WIDTH, MpmNoWalls, &block);
-  CHECK(MpmRunsFind(basis, &block), "%s: runs of %d are not found", basis->name, (int)length);
-  MpmRunsWeights(basis, spread, &block, weight);
-  basis->kernel[gather](&block, 0.7, q[0], node[0]);
+  CHECK(MpmRunsFind(basis, &block, &runs), "%s: runs of %d are not found", basis->name, (int)length);
+  MpmRunsWeights(basis, spread, &block, &runs, weight);
+  basis->weights[gather](&block, N, each);
+  MpmWeightsGather(&block, basis->nodes, N, each, 0.7, q[0], node[0]);
   for (PetscInt n = 1; n <= MPM_MOST_TARGETS; n++) {
     for (PetscInt t = 0; t < n; t++) {
       to[t] = q[1 + t];
       for (PetscInt p = 0; p < N; p++) to[t][p] = MpmHash(8, p);
     }
-    MpmRunsGather(&block, basis->nodes, weight, n, factor, to, node[1]);
+    MpmRunsGather(&block, &runs, basis->nodes, weight, n, factor, to, node[1]);
     for (PetscInt t = 0; t < n; t++)
       for (PetscInt p = 0; p < N; p++)
         CHECK_NEAR(MpmHash(8, p) + factor[t] / 0.7 * (q[0][p] - MpmHash(8, p)), to[t][p], NEAR);
   }
-  basis->kernel[spread](&block, 0.3, q[0], node[0]);
-  MpmRunsSpread(&block, basis->nodes, weight, 0.3, q[0], node[1]);
+  basis->weights[spread](&block, N, each);
+  MpmWeightsSpread(&block, basis->nodes, N, each, 0.3, q[0], node[0]);
+  MpmRunsSpread(&block, &runs, basis->nodes, weight, 0.3, q[0], node[1]);
   for (PetscInt i = 0; i < NODES; i++) CHECK_NEAR(node[0][i], node[1][i], NEAR);
   xi[N - 1] += 1e-3;
-  CHECK(!MpmRunsFind(basis, &block), "%s: runs of which one differs", basis->name);
+  CHECK(!MpmRunsFind(basis, &block, &runs), "%s: runs of which one differs", basis->name);
 }
 
 static PetscErrorCode Test(int argc, char **argv)

@@ -4,16 +4,14 @@
 
 static PetscErrorCode Test(int argc, char **argv)
 {
-  const MpmBasis *basis = MpmBasisFind("quadratic");
-  const MpmPass   pass  = {
-         .nops = 6,
-         .op   = {
-               {.kind = MPM_PASS_MAP, .map = MPM_GRAD, .kernel = basis->kernel[MPM_GRAD], .axis = 1, .a = 2},
-               {.kind = MPM_PASS_MAP, .map = MPM_GRAD, .kernel = basis->kernel[MPM_GRAD], .axis = 1, .particle = 1, .a = 3},
-               {.kind = MPM_PASS_SCALE, .particle = 2, .a = 0},
-               {.kind = MPM_PASS_SCALE, .particle = 1, .a = 4},
-               {.kind = MPM_PASS_MAP, .map = MPM_G2P, .kernel = basis->kernel[MPM_G2P], .particle = 1, .a = 1},
-               {.kind = MPM_PASS_SAMPLE, .particle = 1}}};
+  const MpmBasis      *basis      = MpmBasisFind("quadratic");
+  const MpmPass        pass       = {.nops = 6,
+                                     .op   = {{.kind = MPM_PASS_MAP, .map = MPM_GRAD, .axis = 1, .a = 2},
+                                              {.kind = MPM_PASS_MAP, .map = MPM_GRAD, .axis = 1, .particle = 1, .a = 3},
+                                              {.kind = MPM_PASS_SCALE, .particle = 2, .a = 0},
+                                              {.kind = MPM_PASS_SCALE, .particle = 1, .a = 4},
+                                              {.kind = MPM_PASS_MAP, .map = MPM_G2P, .particle = 1, .a = 1},
+                                              {.kind = MPM_PASS_SAMPLE, .particle = 1}}};
   const MpmRowStepKind expected[] = {MPM_ROW_SCALE, MPM_ROW_GATHER, MPM_ROW_SCALE, MPM_ROW_GATHER, MPM_ROW_SAMPLE};
   MpmRowPlan          *plan;
 
@@ -27,9 +25,9 @@ static PetscErrorCode Test(int argc, char **argv)
   CHECK(plan->step[0].particle == 2, "a register that no map of the group changes is scaled before it");
   CHECK(plan->step[2].particle == 1 && plan->step[2].a == 4, "a register that a map has changed is scaled after it");
   CHECK(plan->nlines == 2 && plan->nmaps == 3, "%d lines, %d maps", (int)plan->nlines, (int)plan->nmaps);
-  CHECK(plan->across[plan->line[0].across].y == MPM_DIV && plan->across[plan->line[0].across].z == MPM_P2G,
+  CHECK(plan->kind[plan->across[plan->line[0].across].y] == MPM_DIV && plan->across[plan->line[0].across].z == 0,
         "the slopes are across x");
-  CHECK(plan->map[0].kernel == basis->kernel[MPM_G2P] && plan->map[0].shared == 1 && plan->map[1].shared == 0,
+  CHECK(plan->map[0].weights == 0 && plan->map[0].shared == 1 && plan->map[1].shared == 0,
         "two maps share a line and its result along x");
   CHECK(plan->nkinds == 2 && plan->kind[0] == MPM_P2G && plan->kind[1] == MPM_DIV, "weights that are not needed");
   PetscCall(PetscFree(plan));

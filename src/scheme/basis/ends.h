@@ -1,5 +1,5 @@
 /*
-   The maps of B-splines that have other functions next to walls. These functions are sums of the uniform splines. So
+   The weights of B-splines that have other functions next to walls. These functions are sums of the uniform splines. So
    the weights of a particle are those of the uniform splines, altered where it is near a wall. The file of a basis
    defines NODES, includes this header, and then defines
 
@@ -34,28 +34,26 @@ static inline void      Shift(PetscInt before, PetscInt step, PetscReal r[]);
   Change((at).first - (at).wall[0], 1, w);                                                                             \
   Change((at).wall[1] - ((at).first + NODES - 1), -1, (w) + NODES - 1)
 
-static inline PetscReal Phi(Place at, PetscReal weight[NODES])
+static inline void Phi(Place at, PetscReal weight[NODES])
 {
   Values(at.xi, weight);
   NEAR(Alter, at, weight);
-  return 1;
 }
 
-static inline PetscReal Gradient(Place at, PetscReal weight[NODES])
+static inline void Gradient(Place at, PetscReal weight[NODES])
 {
   Slopes(at.xi, weight);
   NEAR(Alter, at, weight);
-  return 1;
 }
 
 /* The weights are phi (x_i - x_p) / h; returns sum_i phi (x_i - x_p)^2 / h^2. */
-static inline PetscReal Moment(Place at, PetscReal weight[NODES])
+static inline PetscReal Moments(Place at, PetscReal weight[NODES])
 {
   PetscReal r[NODES], sum = 0;
 
   for (int d = 0; d < NODES; d++) r[d] = First(at.xi) + d + Offset() - at.xi;
   NEAR(Shift, at, r);
-  (void)Phi(at, weight);
+  Phi(at, weight);
   for (int d = 0; d < NODES; d++) {
     weight[d] *= r[d];
     sum += weight[d] * r[d];
@@ -63,12 +61,19 @@ static inline PetscReal Moment(Place at, PetscReal weight[NODES])
   return sum;
 }
 
-/* The weights are phi (x_i - x_p) h / D. At a wall they go over into the slopes, as D goes to 0. */
-static inline PetscReal Fitted(Place at, PetscReal weight[NODES])
+static inline void Moment(Place at, PetscReal weight[NODES])
 {
-  const PetscReal sum = Moment(at, weight);
+  (void)Moments(at, weight);
+}
 
-  if (sum < NO_SPREAD) return Gradient(at, weight);
+/* The weights are phi (x_i - x_p) h / D. At a wall they go over into the slopes, as D goes to 0. */
+static inline void Fitted(Place at, PetscReal weight[NODES])
+{
+  const PetscReal sum = Moments(at, weight);
+
+  if (sum < NO_SPREAD) {
+    Gradient(at, weight);
+    return;
+  }
   for (int d = 0; d < NODES; d++) weight[d] /= sum;
-  return 1;
 }

@@ -1,8 +1,6 @@
 /* The hat function, phi = 1 - abs(x - x_i) / h. Source: Sulsky, Chen and Schreyer 1994, the classical MPM. */
 #define NODES 2
-#define G2P_AFFINE Grad /* phi (x_i - x_p) h / D is -1 and 1; on a node it would be 0 / 0 */
-#define DIV_MLS Div
-#define MLS_WEIGHTS GradientWeights
+#define FITTED_WEIGHTS GradientWeights /* phi (x_i - x_p) h / D is -1 and 1; on a node it would be 0 / 0 */
 #define NO_CURVES
 #include "scheme/basis/nodes.h"
 
