@@ -42,7 +42,9 @@
 
    On particles, at finite deformation (table_finite.c); dst and src are the first registers of theirs:
    MPM_STRESS     - tau = tau(F), the Kirchhoff stress of the material in units of rho0 c0^2, times E_p
-   MPM_LOAD       - b = the body force per mass at the particle's place at rest, in units of c^2 / h
+   MPM_STRESS_AHEAD - T = P(A F) F^T with A = I + a L, P the nominal stress: the stress at a part a of a step with the slopes L,
+                    brought back to its start (scheme/deform.h); L is src, and T has dim rows of dim numbers
+   MPM_LOAD       - b = the body force per mass at the particle's place at rest, in units of c^2 / h, at a part a of the step
    MPM_STRETCH    - F <- (I + L + a L L) F, a the factor: 0, or 1/2 in steps of several stages
    MPM_ADVANCE    - x_p += particle, in cells
 
@@ -54,7 +56,8 @@
    MPM_SOLVE      - node = a (P W)^+ f with P = P2G and W = G2P: the least y whose P2G G2P is f
    MPM_IMPLICIT   - node = (1 + a K)^-1 node of a vector, K = DIV STRESS GRAD, whose lines are a table of its own (table.h). There
                     is an operation for each component, one after the other, with axis as the number of the component: the
-                    first of them solves for all, so that interpreters pass over the others.
+                    first of them solves for all, so that interpreters pass over the others. At finite deformation it is the
+                    a_i with a_i = f(a_i), where the table of its own has the lines of f (MpmTable).
    MPM_WALL       - node = a f at the wall node of one end (side) alone
    MPM_DRIFT      - x_p += U0 dt
 
@@ -82,6 +85,7 @@ typedef enum {
   MPM_GRAD_MLS,
   MPM_G2P_SLOPE,
   MPM_STRESS,
+  MPM_STRESS_AHEAD,
   MPM_LOAD,
   MPM_STRETCH,
   MPM_SCALE,
@@ -271,7 +275,7 @@ typedef struct MpmSchemeNumbers_ MpmSchemeNumbers; /* mpmstab/transfer.h */
             particles: they are multiplied by its sharp_symbol.
    kappa  - the symbol of DIV GRAD: the mean over a cell's particles of abs(symbol of h dphi/dx)^2. In more dimensions
             it is an eigenvalue of DIV STRESS GRAD.
-   stiff  - kappa of the grid itself, without sharp_symbol, which is that of IMPLICIT
+   plain  - kappa without a prestress; stiff: that of the grid itself, without sharp_symbol, which is that of IMPLICIT
    mu     - the symbol of P2G GRAD. For the hat basis it is e (1 - cos beta) + i sin beta, e = C1 - C2 = 2 mean(xi) - 1.
             In more dimensions it is a square root of the sum of the squares over the directions.
    chi    - with a prestress s0: s0 times the symbol of CURVE G2P, which is the mean over a cell's particles of
@@ -286,7 +290,7 @@ typedef struct MpmSchemeNumbers_ MpmSchemeNumbers; /* mpmstab/transfer.h */
    Source: theory of the symbol in docs/theory.md, section 4.
 S*/
 typedef struct {
-  PetscReal      alpha, kappa, stiff, lap, filter, taken;
+  PetscReal      alpha, kappa, plain, stiff, lap, filter, taken;
   double complex mu, chi;
   PetscBool      projected;
 

@@ -36,7 +36,10 @@
    ends          - the kinds of the left and of the right end of each direction
    nstiff, stiff - the tables of the K of IMPLICIT, one for each vector that is solved for (MpmTableStiffness). They have the
                    registers of this table, and lines of their own: GRAD of the vector from register solved on to scratch, DIV of
-                   that to the registers from image on, and walls. So image = K solved.
+                   that to the registers from image on, and walls. So image = K solved. At finite deformation they have, from register
+                   solved on, the velocity w = start + theta a_i in the middle of the step, and image is the acceleration there, both
+                   in units of h and of k h: a_i = k image of w = k (start + theta a_i). start: the first register of the
+                   velocity before the step; theta: the part of the step at which the stress is taken
    where, transfer - what messages call the formulation, and the transfer
 S*/
 #define MPM_MAX_STIFF 4
@@ -53,7 +56,8 @@ struct MpmTable_ {
   MpmMaterialNumbers material;
   MpmOpKind          affine_map;
   MpmEnd             ends[MPM_MAX_DIM][2];
-  PetscInt           nstiff, solved, image;
+  PetscInt           nstiff, solved, image, start;
+  PetscReal          theta;
   MpmTable          *stiff[MPM_MAX_STIFF];
   char               where[512];
   const MpmTransfer *transfer;

@@ -20,8 +20,9 @@ FOLDER = os.path.join(BUILD, "bench")
 SOURCES = os.path.join(program.ROOT, "scripts", "bench")
 FLAGS = ["-O3", "-march=native"]
 SCHEMES, BASES = ("gas1", "gas2", "elastic", "usl", "musl", "verlet", "rk4", "kg5"), ("linear", "quadratic")
-STEPS = ("usl", "musl", "verlet", "rk4", "rk4 nodes", "kg5")  # of momentum, beside one another
-PLAIN_STEPS = {"flip": [], "verlet": ["-DVERLET"], "rk4": ["-DRK"], "kg5": ["-DRK", "-DFIVE"]}
+STEPS = ("usl", "musl", "verlet", "rk4", "rk4 nodes", "kg5", "implicit")  # of momentum, beside one another
+PLAIN_STEPS = {"flip": [], "verlet": ["-DVERLET"], "rk4": ["-DRK"], "kg5": ["-DRK", "-DFIVE"], "implicit": ["-DIMPLICIT"]}
+IMPLICIT = {"courant": 5, "steps": 4}  # it has no limit, and a step has some fifty sweeps
 MACH = "1/10"  # of particles that move, where a limit of the Courant number is asked for
 PPC = 2
 NODES = {"linear": 2, "quadratic": 3, "cubic": 4}  # of a particle along a direction
@@ -180,6 +181,8 @@ def covered(scheme, basis, moves, ns, particles):
     """Returns c t / h, the time that a second of run time covers at the limit. None: the scheme is none of momentum."""
     if scheme not in STEPS:
         return None
+    if scheme == "implicit":
+        return IMPLICIT["courant"] / (1e-9 * ns * particles)
     return limit(scheme, basis, moves) / (1e-9 * ns * particles)
 
 
@@ -228,14 +231,16 @@ def run_box_pair(row):
 
 def run_step(row, step):
     """Returns ns per particle and step of one of the steps of momentum, and the energy at the end."""
-    run = result_of_run("run", box_options(row) | formulation(step))["run"]
+    more = IMPLICIT if step == "implicit" else {}
+    run = result_of_run("run", box_options(row) | formulation(step) | more)["run"]
     return run["ns_per_particle_step"], run["energy"]["final"]
 
 
 def run_plain_box(row, name=None):
     name = f"{name or row['transfer']}-{row['dim']}d-{NODES[row['basis']]}"
     out = json.loads(said([os.path.join(FOLDER, name),
-                           *[str(row[key]) for key in ("cells", "steps", "drift", "jitter")]]))
+                           *[str((row | (IMPLICIT if name.startswith("implicit") else {}))[key])
+                             for key in ("cells", "steps", "drift", "jitter")]]))
     return out["ns_per_particle_step"], out["energy"]
 
 

@@ -12,14 +12,19 @@
    velocity are one matrix, and each sweep knows one vector a node. It needs NODES > 2, where D does not depend on the place.
 
    With VERLET half of the strain comes before the force, in a sweep of its own. With RK it is rk4 with its stages on
-   particles, and with FIVE too kg5: each stage is one more sweep, from the nodes to v and s of the stage and on to others.
+   particles, and with FIVE too kg5: each stage is one more sweep, from the nodes to v and s of the stage and on to others. With
+   IMPLICIT it is the midpoint rule at k = 5: conjugate gradients in the nodal masses, a sweep for each product.
 */
 #include "plain_nd.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef IMPLICIT
+#define COURANT 5.0
+#else
 #define COURANT 0.01
+#endif
 #define NU 0.3
 #define STRESSES (DIM * (DIM + 1) / 2)
 #define INVERSE_D (NODES == 3 ? 4.0 : 3.0) /* of sum_i phi_ip (x_i - x_p)^2, in cells */
@@ -96,7 +101,7 @@ static inline void Strain(double k, double gradient[DIM][DIM], double stress[])
       stress[component[a][b]] += k * (mu * (gradient[a][b] + gradient[b][a]) + (a == b ? lambda * trace : 0));
 }
 
-#if !defined AFFINE && !defined VERLET
+#if !defined AFFINE && !defined VERLET && !defined IMPLICIT
 /* Adds velocity and force of a particle to a node. */
 static inline void GiveTo(Node *n, double w, const double g[], const double v[], const double s[])
 {
@@ -140,7 +145,7 @@ static inline __attribute__((always_inline)) void SumToNodes(const int masses)
         for (int b = 0; b < DIM; b++) momentum += g[b] * affine[a][b];
         n->v[a] += momentum;
       }
-#elif defined VERLET
+#elif defined VERLET || defined IMPLICIT
       for (int a = 0; a < DIM; a++) n->v[a] += w * q->v[a];
 #else
       GiveTo(n, w, g, q->v, q->s);
@@ -218,8 +223,8 @@ static void ToParticles(double k)
   }
 }
 
-#if defined VERLET || defined RK
-static Node                  *before; /* the nodes that a sweep between ToNodes and ToParticles reads */
+#if defined VERLET || defined RK || defined IMPLICIT
+static Node                                *before; /* the nodes that a sweep between ToNodes and ToParticles reads */
 
 /* Nodes to sum to, beside those before. */
 static void Turn(void)
@@ -314,13 +319,117 @@ static void Between(void)
 }
 #endif
 
+#ifdef IMPLICIT
+#define RESIDUAL 1e-12
+typedef double Vector[DIM];
+static Vector *velocity, *increment, *residual, *direction, *product; /* of all nodes; images have no weight in sums */
+static double *weight;
+
+/* node.a = - k DIV (the strain of node.v in a time of k / 2, and with stresses those of the particles), on all nodes. */
+static void Force(int stresses)
+{
+  ENDS(0);
+  Turn();
+  for (long p = 0; p < particles; p++) {
+    const Particle *q = &particle[p];
+    double          phi[DIM][NODES], slope[DIM][NODES], g[DIM], s[STRESSES] = {0}, gradient[DIM][DIM] = {{0}};
+    const long      first = Weights(q->x, phi, slope);
+
+    if (stresses) memcpy(s, q->s, sizeof s);
+    FOR_NODES(i)
+    {
+      const Node *n = before + Of(first, i);
+
+      Gradient(i, phi, slope, g);
+      for (int a = 0; a < DIM; a++)
+        for (int b = 0; b < DIM; b++) gradient[a][b] += g[b] * n->v[a];
+    }
+    Strain(COURANT / 2, gradient, s);
+    FOR_NODES(i)
+    {
+      Node *n = node + Of(first, i);
+
+      Gradient(i, phi, slope, g);
+      for (int a = 0; a < DIM; a++)
+        for (int b = 0; b < DIM; b++) n->a[a] -= COURANT * g[b] * s[component[a][b]];
+    }
+  }
+  ENDS(1);
+  OnNodes(0);
+}
+
+static double Dot(Vector x[], Vector y[])
+{
+  double sum = 0;
+
+  for (long n = 0; n < nodes; n++)
+    for (int a = 0; a < DIM; a++) sum += weight[n] * x[n][a] * y[n][a];
+  return sum;
+}
+
+/* The masses of the nodes, 0 of their images. */
+static void SetWeights(void)
+{
+  for (long n = 0; n < nodes; n++) {
+    weight[n] = mass[n] > 0 ? 1 / mass[n] : 0;
+    for (int a = 0; a < DIM; a++)
+      if (n / stride[a] % across < 1 || n / stride[a] % across > cells) weight[n] = 0;
+  }
+}
+
+/* (1 + k^2 / 4 M^-1 K) increment = node.a */
+static void Solve(void)
+{
+  double square, first;
+
+  for (long n = 0; n < nodes; n++) {
+    memcpy(residual[n], node[n].a, sizeof(Vector));
+    memcpy(direction[n], node[n].a, sizeof(Vector));
+    memset(increment[n], 0, sizeof(Vector));
+  }
+  square = first = Dot(residual, residual);
+  while (square > RESIDUAL * RESIDUAL * first) {
+    double step, last = square;
+
+    for (long n = 0; n < nodes; n++) memcpy(node[n].v, direction[n], sizeof(Vector));
+    Force(0);
+    for (long n = 0; n < nodes; n++)
+      for (int a = 0; a < DIM; a++) product[n][a] = direction[n][a] - node[n].a[a] / 2;
+    step = square / Dot(direction, product);
+    for (long n = 0; n < nodes; n++)
+      for (int a = 0; a < DIM; a++) {
+        increment[n][a] += step * direction[n][a];
+        residual[n][a] -= step * product[n][a];
+      }
+    square = Dot(residual, residual);
+    for (long n = 0; n < nodes; n++)
+      for (int a = 0; a < DIM; a++) direction[n][a] = residual[n][a] + square / last * direction[n][a];
+  }
+}
+
+/* The increment of the velocity, and the velocity in the middle of the step. */
+static void Between(void)
+{
+  for (long n = 0; n < nodes; n++) memcpy(velocity[n], node[n].v, sizeof(Vector));
+  SetWeights();
+  Force(1);
+  Solve();
+  for (long n = 0; n < nodes; n++)
+    for (int a = 0; a < DIM; a++) {
+      node[n].a[a] = increment[n][a];
+      node[n].v[a] = velocity[n][a] + increment[n][a] / 2;
+    }
+  ENDS(0);
+}
+#endif
+
 /* One step. */
 static void Step(void)
 {
   ToNodes(drift != 0);
   if (drift != 0) InvertMasses();
   ENDS(1);
-#if defined VERLET || defined RK
+#if defined VERLET || defined RK || defined IMPLICIT
   OnNodes(0);
   ENDS(0);
   Between();
@@ -381,9 +490,18 @@ int main(int argc, char **argv)
   particle = calloc((size_t)particles, sizeof *particle);
   node     = calloc((size_t)nodes, sizeof *node);
   mass     = calloc((size_t)nodes, sizeof *mass);
-#if defined VERLET || defined RK
+#if defined VERLET || defined RK || defined IMPLICIT
   before = calloc((size_t)nodes, sizeof *before);
   if (!before) return 1;
+#endif
+#ifdef IMPLICIT
+  velocity  = calloc((size_t)nodes, sizeof *velocity);
+  increment = calloc((size_t)nodes, sizeof *increment);
+  residual  = calloc((size_t)nodes, sizeof *residual);
+  direction = calloc((size_t)nodes, sizeof *direction);
+  product   = calloc((size_t)nodes, sizeof *product);
+  weight    = calloc((size_t)nodes, sizeof *weight);
+  if (!velocity || !increment || !residual || !direction || !product || !weight) return 1;
 #endif
   if (!particle || !node || !mass) {
     fprintf(stderr, "no memory for %ld particles\n", particles);

@@ -4,6 +4,7 @@
 */
 #include "analysis/run.h"
 #include "march/conserved.h"
+#include "march/halve.h"
 #include "march/implicit_solve.h"
 #include "march/march_private.h"
 #include "march/relax.h"
@@ -256,6 +257,10 @@ static PetscErrorCode Check(Loop *loop)
   PetscFunctionBegin;
   if (!loop->run->lost) PetscCall(MpmConservedCheck(loop->march, &loop->start, changes));
   PetscCall(MpmMarchLoad(loop->march, &loop->run->load));
+  if (loop->march->halve) {
+    loop->run->halved = loop->march->halve->steps;
+    loop->run->parts  = loop->march->halve->finest;
+  }
   loop->run->relaxed = loop->march->relax ? loop->march->relax->steps : 0;
   if (loop->run->relaxed) loop->run->least_factor = loop->march->relax->least;
   loop->run->mass_change     = changes[0];
@@ -273,7 +278,7 @@ static PetscErrorCode Conclude(Loop *loop)
   PetscFunctionBegin;
   if (r->has_errors) PetscCall(MpmDiagnosticsErrors(loop->march, r->error));
   r->steps = loop->march->step;
-  MpmImplicitSolveTotals(loop->march, &r->iterations, &r->solve_s);
+  MpmImplicitSolveTotals(loop->march, &r->iterations, &r->newton, &r->solve_s);
   r->time  = MpmMarchTime(loop->march, r->steps);
   r->bytes = NAN; /* of the plain march nobody counts them */
   if (scene->layout.march == MPM_MARCH_FAST)

@@ -21,7 +21,8 @@
    per particle and step, if known (traffic.h). load: the largest number of particles that a rank had, over the mean. relaxed: the number of steps
    whose increments had a factor below 1 (march/relax.h), and least_factor the least of these factors. transfer_first, transfer_last, transfer_most: the transfer diagnostics,
    in scenes that ask for weights, source term or ringing (transfer_diagnostics.h). tangents: of a run that was asked for
-   its tangent, else NULL. iterations, solve_s: of the systems of an implicit step, of all steps of this run.
+   its tangent, else NULL. iterations, newton, solve_s: of the systems of an implicit step, of all steps of this run. halved: the steps that were
+   taken in parts, and parts the most that one of them had.
 S*/
 #define MPM_NEVER -1
 typedef struct {
@@ -31,7 +32,7 @@ typedef struct {
   PetscInt64        from, steps, last, blew_up_at_step;
   PetscReal         time, loop_s, wall_s, energy_initial, energy_final, energy_ratio, log_energy_first, eigenmode;
   PetscReal         mass_change, momentum_change, growth_above, bytes, load, least_factor, solve_s;
-  PetscInt64        relaxed, iterations;
+  PetscInt64        relaxed, iterations, newton, halved, parts;
   PetscBool         has_errors, lost, stopped;
   char              failure[512]; /* which particle ended a run at finite deformation, and why; empty: none */
   MpmError          error[MPM_MOST_ERRORS];

@@ -9,13 +9,13 @@ MpmFiniteWidth MpmFiniteWidthOf(MpmOpKind kind, PetscInt dim)
 {
   switch (kind) {
   case MPM_STRESS:
-    return (MpmFiniteWidth){dim * (dim + 1) / 2, dim * dim};
+    return (MpmFiniteWidth){dim * (dim + 1) / 2, dim * dim, 0};
   case MPM_STRETCH:
-    return (MpmFiniteWidth){dim * dim, dim * dim};
-  case MPM_LOAD:
-    return (MpmFiniteWidth){dim, 0};
+    return (MpmFiniteWidth){dim * dim, dim * dim, 0};
+  case MPM_STRESS_AHEAD:
+    return (MpmFiniteWidth){dim * dim, dim * dim, dim * dim};
   default:
-    return (MpmFiniteWidth){dim, 0};
+    return (MpmFiniteWidth){dim, 0, 0};
   }
 }
 
@@ -42,7 +42,7 @@ static void Advance(const MpmMarch *march, const MpmFiniteBlock *block)
   }
 }
 
-void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscInt64 step, PetscReal load[])
+void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscInt64 step, PetscReal part, PetscReal load[])
 {
   const MpmScene *scene = march->scene;
   const PetscReal unit  = scene->cell_width / (scene->wave_speed * scene->wave_speed);
@@ -50,7 +50,7 @@ void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscInt64 step, PetscR
 
   if (scene->body_force) {
     MpmParticlesLagrangian(march->particles, id, march->cell_width, X);
-    scene->body_force(scene, X, MpmMarchTime(march, step), force);
+    scene->body_force(scene, X, MpmMarchTime(march, step) + part * MpmSceneTimeStep(scene, march->courant), force);
   }
   for (PetscInt a = 0; a < march->grid->dim; a++) load[a] = unit * (scene->gravity[a] + force[a]);
 }
@@ -61,7 +61,10 @@ static void Load(const MpmMarch *march, const MpmFiniteBlock *block)
   PetscReal load[MPM_MAX_DIM];
 
   for (PetscInt p = 0; p < block->n; p++) {
-    if (p == 0 || march->scene->body_force) MpmFiniteLoad(march, block->id[p], block->step, load);
+    if (march->solving && march->solving->product)
+      load[0] = load[1] = load[2] = 0;
+    else if (p == 0 || march->scene->body_force)
+      MpmFiniteLoad(march, block->id[p], block->step, block->a, load);
     for (PetscInt a = 0; a < march->grid->dim; a++) block->to[a][p] = load[a];
   }
 }
@@ -93,6 +96,8 @@ void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *b
 
   if (kind == MPM_STRESS)
     Stress(march, block);
+  else if (kind == MPM_STRESS_AHEAD)
+    march->solving->stress(march->solving->system, block);
   else if (kind == MPM_LOAD)
     Load(march, block);
   else if (kind == MPM_ADVANCE)

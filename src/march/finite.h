@@ -26,23 +26,34 @@ struct MpmWatch_ {
 };
 
 /*S
-   MpmFiniteBlock - the n particles from begin on, which go through an operation together. a: its number. to and from: the arrays of the fields that it
+   MpmFiniteBlock - the n particles from begin on, which go through an operation together. a: its number. to, from and stretch: the arrays of the fields that it
    writes and reads, which begin with these particles, and so do id, cell and xi. step: that of the places. stiffness: of
    the particles, or NULL where all are alike.
 S*/
 typedef struct {
-  PetscInt          begin, n;
-  PetscInt64        step;
-  PetscReal         a;
-  PetscReal        *to[MPM_MAX_DIM * MPM_MAX_DIM], *from[MPM_MAX_DIM * MPM_MAX_DIM], *xi[MPM_MAX_DIM];
-  PetscInt         *cell[MPM_MAX_DIM];
+  PetscInt   begin, n;
+  PetscInt64 step;
+  PetscReal  a;
+  PetscReal *to[MPM_MAX_DIM * MPM_MAX_DIM], *from[MPM_MAX_DIM * MPM_MAX_DIM], *stretch[MPM_MAX_DIM * MPM_MAX_DIM];
+  PetscReal *xi[MPM_MAX_DIM];
+  PetscInt  *cell[MPM_MAX_DIM];
   const PetscInt64 *id;
   const PetscReal  *stiffness;
 } MpmFiniteBlock;
 
-/* Not collective. The numbers of fields that an operation writes and reads; 0 of ADVANCE's places. */
+/*S
+   MpmSolving_ - the nonlinear system whose pass is run. stress: what STRESS_AHEAD does on a block of particles. product: the pass is
+   a product with its tangent, in which body forces are 0.
+S*/
+struct MpmSolving_ {
+  void (*stress)(void *system, const MpmFiniteBlock *block);
+  void     *system;
+  PetscBool product;
+};
+
+/* Not collective. The numbers of fields that an operation writes and reads; 0 of ADVANCE's places. stretch: of F besides. */
 typedef struct {
-  PetscInt to, from;
+  PetscInt to, from, stretch;
 } MpmFiniteWidth;
 MpmFiniteWidth MpmFiniteWidthOf(MpmOpKind kind, PetscInt dim);
 
@@ -54,9 +65,9 @@ void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *b
 
 /*
    Not collective. The gravity of the march's scene, and its body force on particle id, at its place at rest and at the time
-   of a step, in units of c^2 / h.
+   of a step and a part of the next one, in units of c^2 / h.
 */
-void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscInt64 step, PetscReal load[]);
+void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscInt64 step, PetscReal part, PetscReal load[]);
 
 /* Not collective. Forgets ranges and failures, before a step. */
 void MpmFiniteForget(MpmMarch *march);

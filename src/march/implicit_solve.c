@@ -9,8 +9,7 @@
 
 /* ---- vectors and node registers ---- */
 
-/* Copies a vector to the march's node registers from first on, or back. */
-static PetscErrorCode Copy(const MpmMarch *march, PetscInt first, PetscBool back, Vec vector)
+PetscErrorCode MpmImplicitCopy(const MpmMarch *march, PetscInt first, PetscBool back, Vec vector)
 {
   const PetscInt   dim = march->grid->dim;
   const MpmGridBox box = MpmGridBoxOf(march->grid, 0);
@@ -38,14 +37,13 @@ static PetscErrorCode Copy(const MpmMarch *march, PetscInt first, PetscBool back
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A vector to node registers, with their ghosts and the images beyond walls. */
-static PetscErrorCode Spread(const MpmMarch *march, PetscInt first, Vec vector)
+PetscErrorCode MpmImplicitSpread(const MpmMarch *march, PetscInt first, Vec vector)
 {
   const MpmGrid *grid = march->grid;
   PetscReal     *node[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(Copy(march, first, PETSC_FALSE, vector));
+  PetscCall(MpmImplicitCopy(march, first, PETSC_FALSE, vector));
   for (PetscInt c = 0; c < grid->dim; c++) PetscCall(MpmGridGetArray(grid, march->node[first + c], &node[c]));
   PetscCall(MpmGridSum(grid, grid->dim, node));
   for (PetscInt c = 0; c < grid->dim; c++) {
@@ -60,8 +58,7 @@ static PetscErrorCode Spread(const MpmMarch *march, PetscInt first, Vec vector)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* vector = M (vector + add), add NULL: 0. With whole, nodes without mass have a mass of 1, else of 0. */
-static PetscErrorCode Weigh(const MpmMarch *march, Vec add, PetscBool whole, Vec vector)
+PetscErrorCode MpmImplicitWeigh(const MpmMarch *march, Vec add, PetscBool whole, Vec vector)
 {
   const PetscInt   dim = march->grid->dim;
   const MpmGridBox box = MpmGridBoxOf(march->grid, 0);
@@ -86,20 +83,28 @@ static PetscErrorCode Weigh(const MpmMarch *march, Vec add, PetscBool whole, Vec
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmImplicitPass(MpmImplicitSolve *s, Vec x, Vec y)
+{
+  PetscInt i = 0;
+
+  PetscFunctionBegin;
+  PetscCall(MpmImplicitSpread(s->march, s->k->solved, x));
+  while (s->march->implicit[i] != s) i++;
+  PetscCall(s->march->engine->stiffness(s->march, s->step, i));
+  PetscCall(MpmImplicitCopy(s->march, s->k->image, PETSC_TRUE, y));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* y = (M + a M K) x: one pass over the particles. */
 static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
 {
   MpmImplicitSolve *s;
-  PetscInt          i = 0;
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(matrix, &s));
-  PetscCall(Spread(s->march, s->k->solved, x));
-  while (s->march->implicit[i] != s) i++;
-  PetscCall(s->march->engine->stiffness(s->march, s->step, i));
-  PetscCall(Copy(s->march, s->k->image, PETSC_TRUE, y));
+  PetscCall(MpmImplicitPass(s, x, y));
   PetscCall(VecScale(y, s->a));
-  PetscCall(Weigh(s->march, x, PETSC_TRUE, y));
+  PetscCall(MpmImplicitWeigh(s->march, x, PETSC_TRUE, y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -206,7 +211,7 @@ static PetscErrorCode AddParticles(MpmImplicitSolve *s)
     PetscCall(MpmParticlesWhere(particles, a, s->step, &whole[a], &part[a]));
   }
   for (PetscInt p = 0; p < particles->count; p++) {
-    const PetscReal times = s->a * (volume ? volume[p] : 1) * (stiffness ? stiffness[p] : 1);
+    const PetscReal times = s->a * (volume ? volume[p] : 1) * (stiffness && !s->snes ? stiffness[p] : 1);
     PetscReal       block[MPM_MAX_DIM * MPM_MAX_DIM];
     Along           along[MPM_MAX_DIM];
     PetscInt        n;
@@ -219,6 +224,7 @@ static PetscErrorCode AddParticles(MpmImplicitSolve *s)
       RowAlong(s, a, in, at, &along[a]);
     }
     n = NodesOf(s, along, node, slope);
+    if (s->snes) MpmImplicitTerm(s, p);
     for (PetscInt i = 0; i < n; i++)
       for (PetscInt j = 0; j < n; j++) {
         if (!s->whole && node[i] != node[j]) continue;
@@ -236,7 +242,7 @@ static PetscErrorCode AddParticles(MpmImplicitSolve *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Assemble(MpmImplicitSolve *s)
+PetscErrorCode MpmImplicitAssemble(MpmImplicitSolve *s)
 {
   Vec masses;
 
@@ -247,10 +253,9 @@ static PetscErrorCode Assemble(MpmImplicitSolve *s)
   PetscCall(MatAssemblyEnd(s->blocks, MAT_FINAL_ASSEMBLY));
   PetscCall(VecDuplicate(s->right, &masses));
   PetscCall(VecSet(masses, 1));
-  PetscCall(Weigh(s->march, NULL, PETSC_TRUE, masses));
+  PetscCall(MpmImplicitWeigh(s->march, NULL, PETSC_TRUE, masses));
   PetscCall(MatDiagonalSet(s->blocks, masses, ADD_VALUES));
   PetscCall(VecDestroy(&masses));
-  PetscCall(KSPSetOperators(s->ksp, s->shell, s->blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -308,22 +313,24 @@ static PetscErrorCode CreateBlocks(MpmImplicitSolve *s, PetscInt own)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* K of a prestress in more dimensions is not symmetric. */
+/* K is symmetric, about a prestress and at finite deformation too: forces have a potential (implicit_newton.c). */
 static PetscErrorCode CreateSolver(MpmImplicitSolve *s)
 {
-  const MpmSpace *space     = &s->march->scheme->space;
-  const PetscBool symmetric = space->dim == 1 || !MpmSpaceIsPrestressed(space) ? PETSC_TRUE : PETSC_FALSE;
-  PetscBool       blocks;
-  PC              pc;
+  PetscBool blocks;
+  PC        pc;
 
   PetscFunctionBegin;
-  PetscCall(KSPCreate(PetscObjectComm((PetscObject)s->march->grid->da), &s->ksp));
-  PetscCall(KSPSetOptionsPrefix(s->ksp, "implicit_"));
-  PetscCall(KSPSetType(s->ksp, symmetric ? KSPCG : KSPGMRES));
+  if (MpmTableIsFinite(s->k))
+    PetscCall(MpmImplicitCreateNewton(s));
+  else {
+    PetscCall(KSPCreate(PetscObjectComm((PetscObject)s->march->grid->da), &s->ksp));
+    PetscCall(KSPSetOptionsPrefix(s->ksp, "implicit_"));
+  }
+  PetscCall(KSPSetType(s->ksp, KSPCG));
   PetscCall(KSPGetPC(s->ksp, &pc));
   PetscCall(PCSetType(pc, PCPBJACOBI));
-  PetscCall(KSPSetTolerances(s->ksp, RELATIVE, ABSOLUTE, PETSC_CURRENT, MOST_ITERATIONS));
-  PetscCall(KSPSetFromOptions(s->ksp));
+  PetscCall(KSPSetTolerances(s->ksp, s->snes ? PETSC_CURRENT : RELATIVE, ABSOLUTE, PETSC_CURRENT, MOST_ITERATIONS));
+  PetscCall(s->snes ? SNESSetFromOptions(s->snes) : KSPSetFromOptions(s->ksp));
   PetscCall(PetscObjectTypeCompareAny((PetscObject)pc, &blocks, PCPBJACOBI, PCJACOBI, PCNONE, ""));
   s->whole = blocks ? PETSC_FALSE : PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -340,15 +347,20 @@ PetscErrorCode MpmImplicitSolveCreate(MpmMarch *march, const MpmTable *k, MpmImp
   s->march = march;
   s->k     = k;
   s->step  = -1;
-  FindTerms(s);
+  if (!MpmTableIsFinite(k)) FindTerms(s);
   PetscCall(MpmScheduleCompile(k, march->scheme->basis, march->layout, 1, PETSC_FALSE, PETSC_TRUE, &s->schedule));
   PetscCheck(s->schedule.npasses == 1, PETSC_COMM_SELF, PETSC_ERR_PLIB, "a product with K takes one pass");
   PetscCall(CreateSolver(s));
   PetscCall(CreateBlocks(s, own));
   PetscCall(MatCreateShell(PetscObjectComm((PetscObject)march->grid->da), dim * own, dim * own, PETSC_DETERMINE,
                            PETSC_DETERMINE, s, &s->shell));
-  PetscCall(MatShellSetOperation(s->shell, MATOP_MULT, (void (*)(void))Multiply));
   PetscCall(MatCreateVecs(s->blocks, &s->solution, &s->right));
+  if (s->snes)
+    PetscCall(MpmImplicitSetNewton(s));
+  else {
+    PetscCall(MatShellSetOperation(s->shell, MATOP_MULT, (void (*)(void))Multiply));
+    PetscCall(KSPSetOperators(s->ksp, s->shell, s->blocks));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -361,19 +373,23 @@ PetscErrorCode MpmImplicitSolveDestroy(MpmImplicitSolve **solve)
   PetscCall(MatDestroy(&(*solve)->blocks));
   PetscCall(VecDestroy(&(*solve)->right));
   PetscCall(VecDestroy(&(*solve)->solution));
-  PetscCall(KSPDestroy(&(*solve)->ksp));
+  if ((*solve)->snes)
+    PetscCall(MpmImplicitDestroyNewton(*solve)); /* it has the KSP */
+  else
+    PetscCall(KSPDestroy(&(*solve)->ksp));
   PetscCall(PetscFree(*solve));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- a solve ---- */
 
-void MpmImplicitSolveTotals(const MpmMarch *march, PetscInt64 *iterations, PetscReal *seconds)
+void MpmImplicitSolveTotals(const MpmMarch *march, PetscInt64 *iterations, PetscInt64 *newton, PetscReal *seconds)
 {
-  *iterations = 0;
-  *seconds    = 0;
+  *iterations = *newton = 0;
+  *seconds              = 0;
   for (PetscInt i = 0; i < MPM_MAX_STIFF && march->implicit[i]; i++) {
     *iterations += march->implicit[i]->iterations;
+    *newton += march->implicit[i]->newton;
     *seconds += march->implicit[i]->seconds;
   }
 }
@@ -398,14 +414,19 @@ PetscErrorCode MpmImplicitSolveApply(MpmMarch *march, PetscInt64 step, const Mpm
 
   PetscFunctionBegin;
   s->step = step;
-  s->a    = op->a;
-  if (anew) PetscCall(Assemble(s));
-  PetscCall(Copy(march, s->k->solved, PETSC_TRUE, s->right));
-  PetscCall(Weigh(march, NULL, PETSC_FALSE, s->right));
+  if (s->snes) {
+    PetscCall(MpmImplicitNewton(s));
+    s->seconds += MPI_Wtime() - begin;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  s->a = op->a;
+  if (anew) PetscCall(MpmImplicitAssemble(s));
+  PetscCall(MpmImplicitCopy(march, s->k->solved, PETSC_TRUE, s->right));
+  PetscCall(MpmImplicitWeigh(march, NULL, PETSC_FALSE, s->right));
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));
   PetscCall(KSPGetConvergedReason(s->ksp, &reason));
   PetscCall(KSPGetIterationNumber(s->ksp, &iterations));
-  PetscCall(Spread(march, s->k->solved, s->solution));
+  PetscCall(MpmImplicitSpread(march, s->k->solved, s->solution));
   s->iterations += iterations;
   s->seconds += MPI_Wtime() - begin;
   if (reason <= 0)

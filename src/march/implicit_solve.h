@@ -1,7 +1,12 @@
 /* The operation IMPLICIT on the grid of the march. */
 #pragma once
-#include "march/march_private.h"
-#include <petscksp.h>
+#include "march/finite.h"
+#include <petscsnes.h>
+
+/*E
+   MpmAhead - what STRESS_AHEAD does in a pass of a nonlinear system: the stress T; T and its tangent; or the product of the tangent.
+E*/
+typedef enum { MPM_AHEAD_STRESS, MPM_AHEAD_TANGENT, MPM_AHEAD_PRODUCT } MpmAhead;
 
 /*S
    MpmImplicitSolve - solves (1 + a K) y = f on the nodes. With the nodal masses M this is the symmetric system
@@ -19,6 +24,15 @@
                component a's
    a, step   - of the blocks as they stand
    iterations, seconds - of all solves so far
+
+   At finite deformation it solves M (a_i - k f(k (v_i + theta a_i))) = 0 by Newton's method, where f is one pass of the table k
+   (MpmTable). Forces have a potential, so that the tangent is symmetric.
+
+   snes      - NULL where the system is linear
+   velocity, middle - v_i, and k (v_i + theta a_i)
+   tangent   - dT_r / dL_c of particle p at (c dim^2 + r) room + p; room: the particles that it has room for
+   does      - what a pass does; inverted: it has met a particle without a positive volume
+   newton    - the iterations of Newton's method so far; iterations are those of its linear systems
 S*/
 struct MpmImplicitSolve_ {
   MpmMarch       *march;
@@ -30,8 +44,13 @@ struct MpmImplicitSolve_ {
   Mat             shell, blocks;
   Vec             right, solution;
   KSP             ksp;
-  PetscInt64      step, iterations;
-  PetscReal       seconds;
+  PetscInt64      step, iterations, newton;
+  PetscReal       seconds, *tangent;
+  SNES            snes;
+  Vec             velocity, middle;
+  PetscInt        room;
+  MpmAhead        does;
+  PetscBool       inverted;
 };
 
 /* Collective. march must outlive the solve, and have grid and particles. */
@@ -43,7 +62,35 @@ PetscErrorCode MpmImplicitSolveDestroy(MpmImplicitSolve **solve);
 
    Collective. Where it does not converge, march->failure says so.
 
-   MpmImplicitSolveTotals - the iterations of all solves of a march so far, and the seconds that they took. Not collective.
+   MpmImplicitSolveTotals - the iterations of all solves of a march so far, of linear systems and of Newton's method, and the
+   seconds that they took. Not collective.
 */
-void           MpmImplicitSolveTotals(const MpmMarch *march, PetscInt64 *iterations, PetscReal *seconds);
+void MpmImplicitSolveTotals(const MpmMarch *march, PetscInt64 *iterations, PetscInt64 *newton, PetscReal *seconds);
 PetscErrorCode MpmImplicitSolveApply(MpmMarch *march, PetscInt64 step, const MpmNodeOp *op);
+
+/*
+   MpmImplicitCopy     - copies a vector to the march's node registers from first on, or back
+   MpmImplicitSpread   - the same with their ghosts and the images beyond walls
+   MpmImplicitWeigh    - vector = M (vector + add), add NULL: 0. With whole, nodes without mass have a mass of 1, else of 0
+   MpmImplicitPass     - y = what the table of the system makes of x: one pass over the particles
+   MpmImplicitAssemble - the preconditioner's matrix, at the particles as they are
+
+   Collective.
+*/
+PetscErrorCode MpmImplicitCopy(const MpmMarch *march, PetscInt first, PetscBool back, Vec vector);
+PetscErrorCode MpmImplicitSpread(const MpmMarch *march, PetscInt first, Vec vector);
+PetscErrorCode MpmImplicitWeigh(const MpmMarch *march, Vec add, PetscBool whole, Vec vector);
+PetscErrorCode MpmImplicitPass(MpmImplicitSolve *solve, Vec x, Vec y);
+PetscErrorCode MpmImplicitAssemble(MpmImplicitSolve *solve);
+
+/*
+   Newton's method (implicit_newton.c). MpmImplicitCreateNewton makes the solver, MpmImplicitSetNewton says what it solves, and
+   MpmImplicitNewton does. MpmImplicitTerm - the term of a particle.
+
+   Collective; the last is not.
+*/
+PetscErrorCode MpmImplicitCreateNewton(MpmImplicitSolve *solve);
+PetscErrorCode MpmImplicitSetNewton(MpmImplicitSolve *solve);
+PetscErrorCode MpmImplicitDestroyNewton(MpmImplicitSolve *solve);
+PetscErrorCode MpmImplicitNewton(MpmImplicitSolve *solve);
+void           MpmImplicitTerm(MpmImplicitSolve *solve, PetscInt p);

@@ -5,6 +5,7 @@
 #include "base/large_pages.h"
 #include "march/finite.h"
 #include "march/finite_state.h"
+#include "march/halve.h"
 #include "march/implicit_solve.h"
 #include "march/relax.h"
 #include <math.h>
@@ -230,6 +231,10 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   if (m->particles->own) PetscCall(PetscNew(&m->watch));
   for (PetscInt i = 0; i < scheme->table->nstiff; i++)
     PetscCall(MpmImplicitSolveCreate(m, scheme->table->stiff[i], &m->implicit[i]));
+  if (m->particles->own && scheme->table->nstiff) {
+    PetscCall(PetscNew(&m->halve));
+    m->halve->most = scheme->numbers.halvings;
+  }
   if (scheme->numbers.rk_relax) {
     PetscCall(PetscNew(&m->relax));
     m->relax->least = 1;
@@ -300,6 +305,7 @@ PetscErrorCode MpmMarchDestroy(MpmMarch **march)
   PetscCall(PetscFree((*march)->watch));
   PetscCall(MpmRelaxDestroy(&(*march)->relax));
   if ((*march)->engine->destroy) PetscCall((*march)->engine->destroy(*march));
+  PetscCall(MpmHalveDestroy(&(*march)->halve));
   PetscCall(MpmNodalSolveDestroy(&(*march)->nodal_solve));
   for (PetscInt i = 0; i < MPM_MAX_STIFF; i++) PetscCall(MpmImplicitSolveDestroy(&(*march)->implicit[i]));
   PetscCall(MpmScheduleDestroy(&(*march)->schedule));
@@ -411,14 +417,25 @@ static PetscErrorCode MigrateInTime(MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
+/* Takes a step, or a part of one. */
+static PetscErrorCode Take(MpmMarch *march, PetscBool sample)
 {
   PetscFunctionBegin;
-  MpmFloatBegin();
   if (march->watch) MpmFiniteForget(march);
   if (march->relax) PetscCall(MpmRelaxBegin(march));
   if (sample) PetscCall(PetscArrayzero(march->squares, MPM_MAX_FIELDS));
   PetscCall(march->engine->step(march, sample));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
+{
+  PetscFunctionBegin;
+  MpmFloatBegin();
+  if (march->halve)
+    PetscCall(MpmHalveStep(march, Take, sample));
+  else
+    PetscCall(Take(march, sample));
   if (march->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
   march->step++;
   march->elapsed += march->courant;

@@ -10,7 +10,9 @@
 typedef struct MpmMarchEngine_   MpmMarchEngine;
 typedef struct MpmRowPlan_       MpmRowPlan;       /* a pass compiled for rows of particles (march/rows.h) */
 typedef struct MpmImplicitSolve_ MpmImplicitSolve; /* march/implicit_solve.h */
+typedef struct MpmSolving_       MpmSolving;       /* a nonlinear system (march/finite.h) */
 typedef struct MpmWatch_ MpmWatch; /* what passes find out about particles that move each by itself (march/finite.h) */
+typedef struct MpmHalve_ MpmHalve; /* steps that are taken in parts (march/halve.h) */
 typedef struct MpmRelax_ MpmRelax; /* the increments of a step (march/relax.h) */
 typedef struct MpmCloudPlan_ MpmCloudPlan; /* and for particles that share no coordinate (march/clouds.h) */
 
@@ -37,6 +39,7 @@ struct MpmMarch_ {
   PetscReal             cell_width;                     /* 1 without a scene */
   PetscReal             courant, velocity[MPM_MAX_DIM]; /* at finite deformation: of a step, and of the start over c */
   PetscReal             elapsed;                        /* where steps differ: the sum of their Courant numbers */
+  PetscReal             within;                         /* the sum of those of the parts of this step so far */
   MpmGrid              *grid;
   MpmParticles         *particles;
   MpmSchedule           schedule;
@@ -49,6 +52,8 @@ struct MpmMarch_ {
   Vec                   node[MPM_MAX_FIELDS], spare[MPM_MAX_FIELDS], inverse_mass; /* local vectors */
   MpmNodalSolve        *nodal_solve;                                               /* NULL: the table has no SOLVE */
   MpmImplicitSolve     *implicit[MPM_MAX_STIFF]; /* of the tables of K that the table has */
+  const MpmSolving     *solving;                 /* the nonlinear system whose pass is run, or NULL */
+  MpmHalve             *halve;                   /* NULL where steps are not halved */
   PetscInt64            step, migrations;
   PetscInt              exponent;
   MpmWatch             *watch;                   /* NULL where particles do not move each by itself */
@@ -89,7 +94,7 @@ static inline PetscReal MpmMarchTime(const MpmMarch *march, PetscInt64 step)
 {
   const MpmScene *scene = march->scene;
 
-  if (!MpmMarchIsPaced(march)) return (PetscReal)step * scene->dt;
+  if (!MpmMarchIsPaced(march)) return (PetscReal)step * scene->dt + MpmSceneTimeStep(scene, march->within);
   return MpmSceneTimeStep(scene, march->elapsed + (PetscReal)(step - march->step) * march->courant);
 }
 

@@ -173,7 +173,7 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt MpmHeadLength(PetscInt nops, const MpmOp ops[])
+PetscInt MpmHeadLength(const MpmTable *table, PetscInt nops, const MpmOp ops[])
 {
   PetscBool used[MPM_MAX_FIELDS] = {PETSC_FALSE};
   PetscInt  h                    = 0;
@@ -183,7 +183,7 @@ PetscInt MpmHeadLength(PetscInt nops, const MpmOp ops[])
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
 
     if (op->kind == MPM_STRESS || op->kind == MPM_LOAD) continue; /* they need nothing but the particles */
-    if (traits.dst != MPM_ON_NODES) break;
+    if (traits.dst != MPM_ON_NODES || (op->kind == MPM_IMPLICIT && MpmTableIsFinite(table))) break;
     if (traits.src == MPM_ON_PARTICLES && !op->accumulates && used[op->dst]) break;
     used[op->dst] = PETSC_TRUE;
     if (traits.src == MPM_ON_NODES) used[op->src] = PETSC_TRUE;
@@ -255,7 +255,7 @@ static PetscErrorCode CompileOps(Compiler *c, PetscBool drifts)
 {
   const MpmTable  *t                     = c->table;
   const MpmOpList *ops                   = c->ops;
-  const PetscInt   head                  = MpmHeadLength(ops->n, ops->op);
+  const PetscInt   head                  = MpmHeadLength(t, ops->n, ops->op);
   PetscBool        begun[MPM_MAX_FIELDS] = {PETSC_FALSE};
   MpmPass         *pass;
 
@@ -336,7 +336,7 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, cons
                   .layout   = layout,
                   .courant  = courant,
                   .fused    = fused,
-                  .mass_due = MpmTableHas(t, MPM_P2G),
+                  .mass_due = MpmTableHas(t, MPM_P2G) && !t->image, /* a table of IMPLICIT finds the masses */
                   .schedule = &each[delayed]};
 
     for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) c.holds[n] = MPM_NONE;

@@ -86,11 +86,12 @@ typedef struct {
 
 /*
    MpmHeadLength - the number of operations before the particles first read the grid or move, all of which one pass can do:
-   its sums come before its operations on nodes, so none may begin anew in a field that has been set or read.
+   its sums come before its operations on nodes, so none may begin anew in a field that has been set or read. A nonlinear
+   system belongs to the step itself, which may have to be taken in parts.
 
    Not collective.
 */
-PetscInt MpmHeadLength(PetscInt nops, const MpmOp ops[]);
+PetscInt MpmHeadLength(const MpmTable *table, PetscInt nops, const MpmOp ops[]);
 
 /*
    MpmScheduleCompile - compiles a table to passes, and frees what schedule held before.

@@ -170,6 +170,8 @@ static void RunFinite(Plain *m, const MpmOp *op, PetscReal a)
 
     for (PetscInt c = 0; c < width.to; c++) block.to[c] = FieldOf(m, (moves ? op->src : op->dst) + c) + begin;
     for (PetscInt c = 0; c < width.from; c++) block.from[c] = FieldOf(m, op->src + c) + begin;
+    for (PetscInt c = 0; c < width.stretch; c++)
+      block.stretch[c] = FieldOf(m, m->march->scheme->table->stretch + c) + begin;
     MpmFinitePlace(&m->at, &block);
     MpmFiniteRun(m->march, op->kind, &block);
   }
@@ -259,7 +261,7 @@ static PetscErrorCode Start(MpmMarch *march)
   PetscFunctionBegin;
   PetscCall(Begin(&m));
   PetscCall(SumMasses(&m));
-  PetscCall(RunOps(&m, table, 0, MpmHeadLength(table->nops, table->ops)));
+  PetscCall(RunOps(&m, table, 0, MpmHeadLength(table, table->nops, table->ops)));
   PetscCall(End(&m));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -271,10 +273,10 @@ static PetscErrorCode Step(MpmMarch *march, PetscBool sample)
 
   PetscFunctionBegin;
   PetscCall(Begin(&m));
-  PetscCall(RunOps(&m, table, MpmHeadLength(table->nops, table->ops), table->nops));
+  PetscCall(RunOps(&m, table, MpmHeadLength(table, table->nops, table->ops), table->nops));
   for (PetscInt f = 0; f < table->nstate && sample; f++)
     march->squares[f] = MpmSumSquares(march->particles->count, m.at.particle[f]);
-  PetscCall(RunOps(&m, table, 0, MpmHeadLength(table->nops, table->ops)));
+  PetscCall(RunOps(&m, table, 0, MpmHeadLength(table, table->nops, table->ops)));
   PetscCall(End(&m));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

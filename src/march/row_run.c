@@ -266,6 +266,8 @@ void MpmRowsFinite(const MpmMarchArrays *a, const MpmRowStep *step, PetscInt beg
 
   for (PetscInt c = 0; c < width.to; c++) block.to[c] = MpmRowsField(a, step->particle + c, begin);
   for (PetscInt c = 0; c < width.from; c++) block.from[c] = MpmRowsField(a, step->other + c, begin);
+  for (PetscInt c = 0; c < width.stretch; c++)
+    block.stretch[c] = MpmRowsField(a, a->march->scheme->table->stretch + c, begin);
   MpmFinitePlace(a, &block);
   MpmFiniteRun(a->march, step->finite, &block);
 }

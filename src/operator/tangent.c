@@ -6,6 +6,8 @@
      mass   M = sum w m                    dM = sum_c sum w_c m dx_c
      G2P    q += a sum w u                 dq += a sum w du + a sum_c (sum w_c u) dx_c
      STRESS t = tau(F)                     dt = sum dtau/dF_ab dF_ab
+     STRESS_AHEAD T = T(L, F)              dT = sum dT/dL_ab dL_ab + sum dT/dF_ab dF_ab
+     IMPLICIT a = k f(k (v + theta a))     (1 - k^2 theta f') da = k df at the same a, f' the derivative by w = k (v + theta a)
      LOAD   b                              db = 0
      STRETCH F = A F, A = I + L + a L L    dF = A dF + (dL + a (dL L + L dL)) F
 
@@ -14,7 +16,12 @@
 */
 #include "operator/tangent.h"
 #include "scene/material.h"
+#include "scheme/deform.h"
 #include <mpmstab/errors.h>
+#include <math.h>
+
+#define MOST_NEWTON 40
+#define CONVERGED 1e-11 /* as far as rounding lets it, which Newton's method reaches within a step or two from there */
 
 static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
 
@@ -52,6 +59,7 @@ typedef struct {
   MpmVectors     *values;
   const Vec      *load;
   Vec            *value, weight[MPM_PROPERTIES], inverse;
+  PetscBool       inverted; /* a particle has no positive volume in the middle of a step */
 } Builder;
 
 /* ---- the space ---- */
@@ -344,6 +352,55 @@ static PetscErrorCode Stress(Builder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* dT_r += (dT_r / dq) dq for one component q of L or of F. dL, dF: the unit of it; NULL: 0. */
+static PetscErrorCode AheadAlong(Builder *b, const MpmOp *op, PetscInt q, const PetscReal *const L[],
+                                 const PetscReal *const F[], const PetscReal *const dL[], const PetscReal *const dF[])
+{
+  const PetscInt dim = b->table->dim;
+  Vec            slope[MPM_MAX_DIM * MPM_MAX_DIM];
+  PetscReal     *dT[MPM_MAX_DIM * MPM_MAX_DIM] = {NULL};
+
+  PetscFunctionBegin;
+  for (PetscInt r = 0; r < dim * dim; r++) {
+    PetscCall(VecDuplicate(b->value[op->dst], &slope[r]));
+    PetscCall(VecGetArray(slope[r], &dT[r]));
+  }
+  MpmStressAheadTangent(&b->table->material, dim, b->sizes->particles, op->factor, L, F, dL, dF, dT);
+  for (PetscInt r = 0; r < dim * dim; r++) {
+    PetscCall(VecRestoreArray(slope[r], &dT[r]));
+    PetscCall(Append(b, op->dst + r, q, NULL, PETSC_FALSE, slope[r], NULL, 1));
+    PetscCall(VecDestroy(&slope[r]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode StressAhead(Builder *b, const MpmOp *op)
+{
+  const PetscInt          dim = b->table->dim, nF = dim * dim, n = b->sizes->particles;
+  PetscReal              *array[3][MPM_MAX_DIM * MPM_MAX_DIM], *one, *zero;
+  const PetscReal        *unit[MPM_MAX_DIM * MPM_MAX_DIM];
+  const PetscReal *const *L = (const PetscReal *const *)array[0], *const *F = (const PetscReal *const *)array[1];
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc2(n, &one, n, &zero));
+  for (PetscInt p = 0; p < n; p++) one[p] = 1;
+  for (PetscInt r = 0; r < nF; r++) PetscCall(Clear(b, op->dst + r));
+  PetscCall(GetArrays(b, op->src, nF, array[0]));
+  PetscCall(GetArrays(b, b->table->stretch, nF, array[1]));
+  PetscCall(GetArrays(b, op->dst, nF, array[2]));
+  b->inverted = MpmStressAhead(&b->table->material, dim, n, op->factor, L, F, array[2]) < n ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(RestoreArrays(b, op->dst, nF, array[2]));
+  for (PetscInt ab = 0; ab < nF; ab++) {
+    for (PetscInt c = 0; c < nF; c++) unit[c] = c == ab ? one : zero;
+    PetscCall(AheadAlong(b, op, op->src + ab, L, F, unit, NULL));
+    PetscCall(AheadAlong(b, op, b->table->stretch + ab, L, F, NULL, unit));
+  }
+  PetscCall(RestoreArrays(b, b->table->stretch, nF, array[1]));
+  PetscCall(RestoreArrays(b, op->src, nF, array[0]));
+  PetscCall(PetscFree2(one, zero));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* to_ab += a sum_c L_ac from_cb */
 static PetscErrorCode AddProduct(PetscInt dim, PetscReal a, const Vec L[], const Vec from[], Vec to[])
 {
@@ -436,6 +493,122 @@ static PetscErrorCode Advance(Builder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op);
+
+/* What the table of a system makes of w = k (v + theta a) in its registers, where a is in increment; its lines are appended. */
+static PetscErrorCode Ahead(Builder *b, const MpmTable *k, const Vec increment[])
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < k->dim; c++) {
+    Vec w = b->value[b->slot.node + k->solved + c];
+
+    PetscCall(VecWAXPY(w, k->theta, increment[c], b->value[b->slot.node + k->start + c]));
+    PetscCall(VecScale(w, b->courant));
+  }
+  for (PetscInt o = 0; o < k->nops; o++) PetscCall(ApplyOp(b, &k->ops[o]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The line that solves with 1 - k^2 theta f' on the registers of image, at an increment. f(w) is then in their values. */
+static PetscErrorCode System(const Builder *b, const MpmTable *k, const Vec increment[], PetscBool *inverted,
+                             MpmLine *line)
+{
+  Builder      own = *b;
+  MpmRegisters r   = b->values->registers;
+  Mat          matrix;
+
+  PetscFunctionBegin;
+  r.nin = r.nout = k->dim;
+  for (PetscInt c = 0; c < k->dim; c++) {
+    r.in[c]  = b->slot.node + k->solved + c;
+    r.out[c] = b->slot.node + k->image + c;
+  }
+  PetscCall(MpmStepProgramCreate(&r, b->courant, &own.program));
+  PetscCall(Ahead(&own, k, increment));
+  for (PetscInt c = 0; c < k->dim; c++) {
+    PetscCall(Append(&own, r.out[c], r.in[c], NULL, PETSC_FALSE, NULL, NULL, -1 / (PetscSqr(b->courant) * k->theta)));
+    PetscCall(MpmStepProgramAppend(
+        own.program, (MpmLine){.dst = r.out[c], .src = r.out[c], .factor = -PetscSqr(b->courant) * k->theta}));
+  }
+  PetscCall(MpmStepProgramAssemble(own.program, PETSC_TRUE, &matrix));
+  PetscCall(MpmStepProgramDestroy(&own.program));
+  *line = (MpmLine){.dst = r.out[0], .src = r.out[0], .nsolve = k->dim};
+  PetscCall(MpmFactorised(matrix, &line->solve));
+  PetscCall(MatDestroy(&matrix));
+  PetscCallMPI(MPI_Allreduce(&own.inverted, inverted, 1, MPIU_BOOL, MPI_LOR, r.comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Newton's method: the increment, and the system at it. Its step is the whole one, since steps that need parts are not smooth. */
+static PetscErrorCode Newton(Builder *b, const MpmTable *k, Vec increment[], MpmLine *system)
+{
+  PetscReal change = INFINITY, size = 0, before;
+  PetscBool inverted;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < MOST_NEWTON; i++) {
+    PetscCall(System(b, k, increment, &inverted, system));
+    if (i == 0 && inverted) {
+      for (PetscInt c = 0; c < k->dim; c++)
+        PetscCall(VecAXPY(increment[c], -1 / k->theta, b->value[b->slot.node + k->start + c]));
+      PetscCall(KSPDestroy(&system->solve));
+      continue;
+    }
+    for (PetscInt c = 0; c < k->dim; c++) /* the residual, which the system replaces */
+      PetscCall(VecAXPBY(b->value[system->dst + c], 1, -b->courant, increment[c]));
+    PetscCall(MpmLineRun(system, &MpmVectorAlgebra, b->values, PETSC_FALSE));
+    before = change;
+    change = size = 0;
+    for (PetscInt c = 0; c < k->dim; c++) {
+      PetscReal norm;
+
+      PetscCall(VecAXPY(increment[c], -1, b->value[system->dst + c]));
+      PetscCall(VecNorm(b->value[system->dst + c], NORM_INFINITY, &norm));
+      change = PetscMax(change, norm);
+      PetscCall(VecNorm(increment[c], NORM_INFINITY, &norm));
+      size = PetscMax(size, norm);
+    }
+    if (!inverted && change <= CONVERGED * PetscMax(size, 1) && change >= before / 2) break;
+    if (change == 0) break;
+    PetscCall(KSPDestroy(&system->solve));
+  }
+  if (!system->solve) PetscCall(System(b, k, increment, &inverted, system));
+  MpmCheckInput(change <= CONVERGED * PetscMax(size, 1),
+                "courant %g: the nonlinear system of the implicit step did not converge for its tangent; allowed: a "
+                "smaller step",
+                (double)b->courant);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Implicit(Builder *b, const MpmOp *op)
+{
+  const MpmTable *k      = MpmTableStiffness(b->table, op);
+  const PetscInt  solved = b->slot.node + k->solved, image = b->slot.node + k->image, start = b->slot.node + k->start;
+  Vec             increment[MPM_MAX_DIM];
+  MpmLine         system;
+
+  PetscFunctionBegin;
+  if (op->axis) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt c = 0; c < k->dim; c++) {
+    PetscCall(VecDuplicate(b->value[solved + c], &increment[c]));
+    PetscCall(VecSet(increment[c], 0));
+  }
+  PetscCall(Newton(b, k, increment, &system));
+  for (PetscInt c = 0; c < k->dim; c++)
+    PetscCall(MpmStepProgramAppend(b->program, (MpmLine){.dst = solved + c, .src = start + c, .factor = b->courant}));
+  PetscCall(Ahead(b, k, increment));
+  for (PetscInt c = 0; c < k->dim; c++)
+    PetscCall(MpmStepProgramAppend(b->program, (MpmLine){.dst = image + c, .src = image + c, .factor = b->courant}));
+  PetscCall(MpmStepProgramAppend(b->program, system));
+  for (PetscInt c = 0; c < k->dim; c++) {
+    PetscCall(MpmStepProgramAppend(b->program, (MpmLine){.dst = solved + c, .src = image + c, .factor = 1}));
+    PetscCall(VecCopy(increment[c], b->value[solved + c]));
+    PetscCall(VecDestroy(&increment[c]));
+  }
+  PetscCall(KSPDestroy(&system.solve));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -453,6 +626,12 @@ static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
   switch (op->kind) {
   case MPM_STRESS:
     PetscCall(Stress(b, op));
+    break;
+  case MPM_STRESS_AHEAD:
+    PetscCall(StressAhead(b, op));
+    break;
+  case MPM_IMPLICIT:
+    PetscCall(Implicit(b, op));
     break;
   case MPM_STRETCH:
     PetscCall(Stretch(b, op));

@@ -29,17 +29,18 @@ static PetscErrorCode Put(const MpmMarch *march, const char name[], PetscBool wh
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The body force at the time of the next step. */
+/* The body force at the time of the next step, or where it is taken in that step. */
 static PetscErrorCode SetLoad(const MpmTangentSpace *space, const MpmMarch *march, MpmTangentState *state)
 {
-  const PetscInt dim = space->sizes.layout->dim;
-  PetscReal     *to[MPM_MAX_DIM], load[MPM_MAX_DIM];
+  const PetscInt  dim  = space->sizes.layout->dim;
+  const PetscReal part = march->scheme->table->nstiff ? march->scheme->table->stiff[0]->theta : 0;
+  PetscReal      *to[MPM_MAX_DIM], load[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  if (!MpmTableHas(march->scheme->table, MPM_LOAD)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!march->scheme->space.loaded) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < dim; a++) PetscCall(VecGetArray(state->load[a], &to[a]));
   for (PetscInt p = 0; p < space->sizes.particles; p++) {
-    MpmFiniteLoad(march, space->sizes.begin + p, march->particles->step, load);
+    MpmFiniteLoad(march, space->sizes.begin + p, march->particles->step, part, load);
     for (PetscInt a = 0; a < dim; a++) to[a][p] = load[a];
   }
   for (PetscInt a = 0; a < dim; a++) PetscCall(VecRestoreArray(state->load[a], &to[a]));

@@ -96,25 +96,33 @@ static PetscErrorCode System(const MpmRegisters *all, PetscReal courant, MpmMaps
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmFactorised(Mat matrix, KSP *solve)
+{
+  PC  pc;
+  int ranks;
+
+  PetscFunctionBegin;
+  PetscCall(KSPCreate(PetscObjectComm((PetscObject)matrix), solve));
+  PetscCall(KSPSetOperators(*solve, matrix, matrix));
+  PetscCall(KSPSetType(*solve, KSPPREONLY));
+  PetscCall(KSPGetPC(*solve, &pc));
+  PetscCall(PCSetType(pc, PCLU));
+  PetscCallMPI(MPI_Comm_size(PetscObjectComm((PetscObject)matrix), &ranks));
+  if (ranks > 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  PetscCall(KSPSetUp(*solve));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The line of IMPLICIT solves by LU, which serves all right sides and the transpose. */
 static PetscErrorCode AppendSolve(MpmStepProgram *p, MpmMaps *maps, const MpmOp *op)
 {
   MpmLine line = {
       .dst = p->registers.n[0] + op->dst, .src = p->registers.n[0] + op->dst, .nsolve = maps->slab->layout->dim};
   Mat matrix;
-  PC  pc;
-  int ranks;
 
   PetscFunctionBegin;
   PetscCall(System(&p->registers, p->courant, maps, op, &matrix));
-  PetscCall(KSPCreate(p->registers.comm, &line.solve));
-  PetscCall(KSPSetOperators(line.solve, matrix, matrix));
-  PetscCall(KSPSetType(line.solve, KSPPREONLY));
-  PetscCall(KSPGetPC(line.solve, &pc));
-  PetscCall(PCSetType(pc, PCLU));
-  PetscCallMPI(MPI_Comm_size(p->registers.comm, &ranks));
-  if (ranks > 1) PetscCall(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  PetscCall(KSPSetUp(line.solve));
+  PetscCall(MpmFactorised(matrix, &line.solve));
   PetscCall(MpmStepProgramAppend(p, line));
   PetscCall(KSPDestroy(&line.solve));
   PetscCall(MatDestroy(&matrix));

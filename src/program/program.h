@@ -113,9 +113,11 @@ PetscErrorCode MpmStepProgramBytes(const MpmStepProgram *program, PetscReal *byt
    MpmLinesOfOp - the lines of an operation without a map: WALL, ADD, SCALE, COPY. nodes is the first register of nodes.
              n: how many, MPM_NONE for an operation with a map. The caller destroys map and
              left of these lines.
+   MpmFactorised - a solver that has factorised a matrix by LU, for a line that solves
 
    Collective.
 */
+PetscErrorCode MpmFactorised(Mat matrix, KSP *solve);
 PetscErrorCode MpmRegistersOf(const MpmSlab *slab, MpmRegisters *registers);
 PetscErrorCode MpmStepProgramAppendStep(MpmStepProgram *program, MpmMaps *maps, PetscBool again);
 PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes, MpmLine line[2], PetscInt *n);

@@ -155,7 +155,14 @@ static void Cost(json_t *result, const MpmRun *run)
     MpmPrint("load: the fullest rank had %.2f times the mean number of particles%s\n", run->load,
              run->scene->layout.balance == MPM_BALANCE_PARTICLES ? "" : "; see -balance");
   if (!run->scene->scheme.table->nstiff || steps == 0) return;
-  MpmResultSay(result, "solver: %.3g{iterations_per_step} iterations a step\n", (PetscReal)run->iterations / steps);
+  MpmResultSay(result, "solver: %.3g{iterations_per_step} iterations a step", (PetscReal)run->iterations / steps);
+  if (run->scene->scheme.space.finite)
+    MpmResultSay(result, " in %.3g{newton_per_step} of Newton's method", (PetscReal)run->newton / steps);
+  MpmPrint("\n");
+  if (run->halved)
+    MpmResultSay(MpmResultIn(result, "halved"),
+                 "halved: %" PetscInt64_FMT "{steps} steps, taken in up to %" PetscInt64_FMT "{parts} parts\n",
+                 run->halved, run->parts);
 }
 
 /* A diagnostic of one field; '-' stands where there was nothing to divide by. */

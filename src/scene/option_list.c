@@ -71,6 +71,7 @@ WHEN(HasRatio, TransferReads(s, "blend_ratio"))
 WHEN(HasAffineRatio, TransferReads(s, "aflip_ratio"))
 WHEN(HasShare, MpmFormulationReads(s->scheme.formulation, "share"))
 WHEN(HasTheta, MpmFormulationReads(s->scheme.formulation, "theta"))
+WHEN(HasHalvings, MpmFormulationReads(s->scheme.formulation, "halvings") && s->scheme.space.finite)
 WHEN(HasRk, MpmFormulationReads(s->scheme.formulation, "rk"))
 WHEN(HasFilterTime, MpmSceneChoosesFilter(s))
 WHEN(HasSplineEnds, MpmBasisIsAltered(s->scheme.basis))
@@ -158,6 +159,8 @@ const MpmField MpmOptions[] = {
    WORDS(MpmRkOnNames), TEXT(RkOnOf), IN(91, 72, 66, 51), SHOWN(HasRk)},
   {"theta", MPM_FRACTION, "1/2", "formulation implicit: the weight of the new velocity; 1/2 is the midpoint rule, 1 is backward Euler",
    BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.theta), IN(92, 73, 67, 52), SHOWN(HasTheta)},
+  {"halvings", MPM_INTEGER, "6", "formulation implicit with kinematics finite: how often a step is halved that does not converge, or that takes a particle a cell or further, before the run ends",
+   BETWEEN(0, 30), .tasks = "run", KEPT(AS_COUNT, scheme.numbers.halvings), IN(95, 76, 0, 0), SHOWN(HasHalvings)},
   {"rk_relax", MPM_SWITCH, "false", "formulation rk with kinematics finite: a step whose increments would raise the energy of the particles takes so much less of them that it does not",
    .tasks = "run", KEPT(AS_SWITCH, scheme.numbers.rk_relax), IN(94, 75, 69, 0), SHOWN(HasRelax)},
   {"move_share", MPM_FRACTION, NULL, "formulations verlet and rk, with a prestress or kinematics finite: the share of the new velocity of the grid in that which particles move with, the rest is of the old one (default: verlet 1, rk 1/2)",

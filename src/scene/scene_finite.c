@@ -66,9 +66,34 @@ static PetscBool LeavesStress(const MpmFormulation *f)
   return PETSC_TRUE;
 }
 
-static PetscBool IsExplicit(const MpmFormulation *f)
+/*
+   Whether a formulation has no IMPLICIT, or one of which the lines before it are those of the linear system: a force of a
+   stress to which GRAD adds a part theta of the step, of a vector with the factor theta^2.
+*/
+static PetscBool HasSystem(const MpmFormulation *f)
 {
-  return LeavesStress(f) && !MpmFormulationHas(f, MPM_IMPLICIT) ? PETSC_TRUE : PETSC_FALSE;
+  MpmOp        room[MPM_MOST_TABLE_LINES];
+  PetscInt     n, solved = 0, grads = 0, divs = 0;
+  PetscReal    theta = 0;
+  const MpmOp *ops;
+
+  if (!LeavesStress(f)) return PETSC_FALSE;
+  ops = MpmFormulationLines(f, NULL, NULL, room, &n);
+  for (PetscInt o = 0; o < n; o++) {
+    const MpmOp *op = &ops[o];
+
+    if (op->kind == MPM_GRAD && f->scratch[op->dst]) {
+      theta = op->factor;
+      grads += op->coefficient == MPM_COURANT;
+    } else if (op->kind == MPM_DIV && f->scratch[op->src] && !solved)
+      divs += op->coefficient == MPM_COURANT && op->factor == -1 && grads == 1;
+    else if (op->kind == MPM_IMPLICIT) {
+      solved++;
+      if (divs != 1 || op->coefficient != MPM_COURANT_SQUARED || fabs(op->factor - theta * theta) > 1e-12)
+        return PETSC_FALSE;
+    }
+  }
+  return solved < 2 && (!solved || (grads == 1 && theta > 0)) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene)
@@ -80,6 +105,7 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
   scene->scheme.space.finite = word ? PETSC_TRUE : PETSC_FALSE;
   if (!word) {
     PetscCall(MpmSettingsRefuseUnless(settings, "gravity", "kinematics", "allowed: only with kinematics finite"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "halvings", "kinematics", "allowed: only with kinematics finite"));
     PetscCall(PetscArrayzero(scene->gravity, MPM_MAX_DIM));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -87,7 +113,9 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
                                "stress with a velocity that particles could move with"));
   PetscCall(MpmSettingsRequire(settings, scene, "kinematics", LeavesStress,
                                "stress that it takes to vectors by DIV and from vectors by GRAD alone"));
-  PetscCall(MpmSettingsRequire(settings, scene, "kinematics", IsExplicit, "step without a linear system of the nodes"));
+  PetscCall(MpmSettingsRequire(
+      settings, scene, "kinematics", HasSystem,
+      "IMPLICIT a_i theta^2 k^2 after one line GRAD, with the factor theta, and one MINUS_DIV of its stress"));
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     if (scene->gravity[a] != 0) scene->scheme.space.loaded = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -198,6 +226,8 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
   MpmSettingsRefuseIf(!scene->scheme.space.finite, settings, "courant",
                       "the speed of waves changes in a run with kinematics finite alone; allowed: a number, "
                       "or kinematics finite ('mpmstab critical' finds the largest stable number)");
+  MpmSettingsRefuseIf(MpmFormulationHas(scene->scheme.formulation, MPM_IMPLICIT), settings, "courant",
+                      "an implicit step has no limit that the speed of waves sets; allowed: a number");
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     if (scene->step.drift[a].value != 0) moves = PETSC_TRUE;
   if (moves && MpmSettingsGiven(settings, "drift") && MpmSettingsSource(settings, "drift") != MPM_FROM_DEFAULT)

@@ -9,7 +9,7 @@ static const char *WhyNot(const MpmScene *scene)
   if (!scene->scheme.space.finite) return "the step is linear, and is its own tangent; allowed: with kinematics finite";
   if (scene->scheme.numbers.rk_relax)
     return "with rk_relax a step has a factor, which has no derivative where it comes to 1; allowed: without rk_relax";
-  if (MpmTableSolves(scene->scheme.table))
+  if (MpmTableHas(scene->scheme.table, MPM_SOLVE))
     return "transfer nullspace has a pseudoinverse, whose derivative is not known here; allowed: another transfer";
   if (MpmBasisIsAltered(scene->scheme.basis))
     return "with spline_ends modified or open the derivatives of its weights are not known here; allowed: spline_ends "

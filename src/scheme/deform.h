@@ -1,6 +1,7 @@
 /* Kernels of finite deformation, on plain arrays of n particles. A tensor has dim rows of dim arrays. */
 #pragma once
 #include <mpmstab/boundary.h>
+#include <mpmstab/material.h>
 
 /*
    MpmStretch - F <- (I + L + twice L L) F.
@@ -21,3 +22,15 @@ PetscReal MpmDeterminant(PetscInt dim, const PetscReal F[]);
 */
 PetscInt MpmAdvance(const MpmDirection *direction, PetscInt first, PetscInt n, const PetscReal way[], PetscInt cell[],
                     PetscReal xi[], PetscInt range[2]);
+
+/*
+   MpmStressAhead - the stress T at a part a of a step with the slopes L, brought back to its start (stress_ahead.c), and
+   MpmStressAheadTangent, its differential along dL and dF (NULL: 0).
+
+   Not collective. Returns the first particle whose volume there is not positive and finite, which gets the stress at F, or n.
+*/
+PetscInt MpmStressAhead(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, PetscReal a,
+                        const PetscReal *const L[], const PetscReal *const F[], PetscReal *const T[]);
+void     MpmStressAheadTangent(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, PetscReal a,
+                               const PetscReal *const L[], const PetscReal *const F[], const PetscReal *const dL[],
+                               const PetscReal *const dF[], PetscReal *const dT[]);

@@ -144,6 +144,14 @@ static PetscErrorCode Div(MpmTableBuilder *b, const MpmOp *op)
   PetscCheck(dim == 1 || (to == MPM_VECTOR && from != MPM_VECTOR) || (to == MPM_SCALAR && from == MPM_VECTOR),
              PETSC_COMM_SELF, PETSC_ERR_SUP,
              "the table: DIV makes a vector of a stress or a number, and a number of a vector");
+  if (MpmBuilderIsAhead(b, op->src)) {
+    for (PetscInt a = 0; a < dim; a++) {
+      for (PetscInt axis = 0; axis < dim; axis++)
+        PetscCall(MpmBuilderTerm(b, op, dst + a, src + dim * a + axis, axis, 1, axis ? PETSC_TRUE : op->accumulates));
+      PetscCall(Curve(b, op, a));
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (from != MPM_TENSOR) {
     for (PetscInt a = 0; a < dim; a++) {
       PetscCall(MpmBuilderTerm(b, op, dst + (to == MPM_VECTOR ? a : 0), src + (from == MPM_VECTOR ? a : 0), a, 1,
@@ -185,6 +193,39 @@ static PetscErrorCode GradToPrestressed(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* q_ab = a s_ab, as DIV has it: the start of the stress of the middle of an implicit step about a prestress. */
+static PetscErrorCode AheadFrom(MpmTableBuilder *b, const MpmOp *op)
+{
+  const PetscInt dim = b->space->dim;
+  MpmOp          one = *op;
+
+  PetscFunctionBegin;
+  one.factor *= IsOneNumber(b->space) ? 1 + b->space->prestress[0] : 1;
+  for (PetscInt c = 0; c < dim * dim; c++) {
+    const PetscInt component = MpmSpaceStress(b->space, c / dim, c % dim);
+
+    one.dst = b->particle[op->dst] + c;
+    one.src = b->particle[op->src] + component;
+    if (component != MPM_NONE) PetscCall(MpmTableAppendOwn(b->table, one));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* q_ab += (ds_ab / d (dv_c/dx_d) - sigma0_ad d_bc) GRAD_d v_c: dT = dtau - tau L^T */
+static PetscErrorCode GradAhead(MpmTableBuilder *b, const MpmOp *op)
+{
+  const PetscInt dim = b->space->dim, q = b->particle[op->dst], v = b->node[op->src];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < dim * dim * dim * dim; i++) {
+    const PetscInt  a = i / dim / dim / dim, e = i / dim / dim % dim, c = i / dim % dim, d = i % dim;
+    const PetscReal tangent = MpmSpaceTangent(b->space, a, e, c, d) - (e == c ? MpmSpacePrestress(b->space, a, d) : 0);
+
+    if (tangent != 0) PetscCall(MpmBuilderTerm(b, op, q + dim * a + e, v + c, d, tangent, PETSC_TRUE));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* s_ab += lambda delta_ab sum_c GRAD_c v_c + mu (GRAD_b v_a + GRAD_a v_b), with lambda + 2 mu = 1 */
 static PetscErrorCode GradToStress(MpmTableBuilder *b, const MpmOp *op)
 {
@@ -220,6 +261,8 @@ static PetscErrorCode Grad(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionBegin;
   if (dim == 1)
     PetscCall(MpmBuilderTerm(b, op, dst, src, 0, 1, PETSC_TRUE));
+  else if (MpmBuilderIsAhead(b, op->dst))
+    PetscCall(GradAhead(b, op));
   else if (to == MPM_TENSOR && from == MPM_VECTOR)
     PetscCall(GradToStress(b, op));
   else {
@@ -248,12 +291,17 @@ static PetscErrorCode Lap(MpmTableBuilder *b, const MpmOp *op)
 
 /* ---- IMPLICIT ---- */
 
-/* The first stress of a formulation, or MPM_NONE. */
-static PetscInt StressOf(const MpmFormulation *f)
+/* The stress of a formulation that IMPLICIT is of, or MPM_NONE. */
+static PetscInt StressOf(const MpmTableBuilder *b)
 {
-  for (PetscInt field = 0; f->particle_fields[field]; field++)
-    if (f->particle_ranks[field] == MPM_TENSOR) return field;
-  return MPM_NONE;
+  const MpmFormulation *f     = b->formulation;
+  PetscInt              first = MPM_NONE;
+
+  for (PetscInt field = 0; f->particle_fields[field]; field++) {
+    if (MpmBuilderIsAhead(b, field)) return field;
+    if (f->particle_ranks[field] == MPM_TENSOR && first == MPM_NONE) first = field;
+  }
+  return first;
 }
 
 /* Sets components of a vector to 0 at all ends that fix them. */
@@ -306,8 +354,13 @@ static PetscErrorCode AddStiffness(MpmTableBuilder *b, PetscInt field, PetscInt 
   PetscCall(PetscNew(&k));
   t->ops  = NULL;
   t->nops = t->room = 0;
-  PetscCall(StiffnessLines(*b, field, stress, image));
-  *k                    = (MpmTable){.nops = t->nops, .ops = t->ops, .solved = b->node[field], .image = image};
+  if (b->space->finite) {
+    PetscCall(MpmFiniteAhead(b, field, image));
+    PetscCall(Fix(b, image, t->dim));
+  } else
+    PetscCall(StiffnessLines(*b, field, stress, image));
+  *k = (MpmTable){
+      .nops = t->nops, .ops = t->ops, .solved = b->node[field], .image = image, .start = b->start, .theta = b->ahead};
   t->ops                = kept.ops;
   t->nops               = kept.nops;
   t->room               = kept.room;
@@ -326,6 +379,8 @@ static void CompleteStiffness(MpmTable *t)
     t->stiff[i]->ops    = own.ops;
     t->stiff[i]->solved = own.solved;
     t->stiff[i]->image  = own.image;
+    t->stiff[i]->start  = own.start;
+    t->stiff[i]->theta  = own.theta;
     t->stiff[i]->nstiff = 0;
   }
 }
@@ -340,7 +395,7 @@ const MpmTable *MpmTableStiffness(const MpmTable *t, const MpmOp *implicit)
 
 static PetscErrorCode Implicit(MpmTableBuilder *b, const MpmOp *op)
 {
-  const PetscInt stress = StressOf(b->formulation);
+  const PetscInt stress = StressOf(b);
   MpmTable      *t      = b->table;
   MpmOp          one    = *op;
 
@@ -379,6 +434,8 @@ static PetscErrorCode Expand(MpmTableBuilder *b, const MpmOp *op)
     PetscCall(MpmFiniteDiv(b, op));
   else if (b->space->finite && traits.dst == MPM_ON_PARTICLES && b->formulation->particle_ranks[op->dst] == MPM_TENSOR)
     PetscCall(MpmFiniteSet(b, op));
+  else if (op->kind == MPM_ADD && op->dst != op->src && MpmBuilderIsAhead(b, op->dst))
+    PetscCall(AheadFrom(b, op));
   else if (op->kind == MPM_DIV)
     PetscCall(Div(b, op));
   else if (op->kind == MPM_GRAD)

@@ -28,6 +28,8 @@
    stretching      - the slopes are complete, and the stretch with this first register is to be stretched by them, or
                      MPM_NONE
    staged          - a step has several stages
+   implicit        - the formulation has IMPLICIT. Then a scratch stress is that of the middle of the step, at the part ahead of it
+                     with the velocity in the node registers from start on; its first register is stress
 S*/
 typedef struct {
   const MpmFormulation   *formulation;
@@ -39,13 +41,21 @@ typedef struct {
   PetscInt stretched[MPM_MAX_FIELDS], moved[MPM_MAX_MOVED], moved_at[MPM_MAX_MOVED], nmoved, nsummed, velocity, slope,
       load, way, stretching;
   PetscReal share[MPM_MAX_MOVED];
-  PetscBool staged;
+  PetscBool staged, implicit;
+  PetscReal ahead;
+  PetscInt  start, stress;
   MpmTable *table;
 } MpmTableBuilder;
 
 /* Not collective. The components of a rank, and the component ab of a stress: of a fluid MPM_NONE unless a is b. */
 PetscInt MpmSpaceComponents(const MpmSpace *space, MpmRank rank);
 PetscInt MpmSpaceStress(const MpmSpace *space, PetscInt a, PetscInt b);
+
+/*
+   Not collective. Whether a field is a stress of the middle of an implicit step about a prestress: T = tau A^-T (stress_ahead.c) has
+   dim x dim components, and its own part of the prestress.
+*/
+PetscBool MpmBuilderIsAhead(const MpmTableBuilder *b, PetscInt field);
 
 /* Not collective. The number of registers of a field. */
 PetscInt MpmBuilderComponents(const MpmTableBuilder *b, PetscBool on_nodes, PetscInt field);
@@ -80,9 +90,11 @@ PetscErrorCode MpmBuilderTerm(MpmTableBuilder *b, const MpmOp *op, PetscInt dst,
    MpmFinitePlan       - finds out what particles move with
    MpmFiniteSet        - the operations for a stress of a stage that is set to that of the state
    MpmFiniteDiv, MpmFiniteGrad, MpmFiniteMove - the operations for DIV of a stress, GRAD to a stress, and DRIFT
+   MpmFiniteAhead      - the operations for IMPLICIT of a field, whose own table has the acceleration in registers from image on
    MpmFiniteBefore     - what must be done before line number o of the formulation, and MpmFiniteAfter: after it
 */
 PetscErrorCode MpmFiniteAddState(MpmTableBuilder *b, PetscInt field);
+PetscErrorCode MpmFiniteAhead(MpmTableBuilder *b, PetscInt field, PetscInt image);
 PetscErrorCode MpmFiniteAddScratch(MpmTableBuilder *b);
 PetscErrorCode MpmFinitePlan(MpmTableBuilder *b);
 PetscErrorCode MpmFiniteSet(MpmTableBuilder *b, const MpmOp *op);

@@ -11,6 +11,10 @@
      MOVE                 the velocity that particles move with, a sum of shares of node fields
      DRIFT                x <- x + k sum_i phi_ip of that velocity
 
+     IMPLICIT           a_i is the solution of a_i = - k DIV T, T = P((I + theta L) F) F^T the stress in the middle of the step,
+                        brought back to its start (stress_ahead.c). L = k GRAD (v_i + theta a_i). The lines that set the stress of
+                        the middle, and make a force of it, are lines of this system.
+
    tau, L, copies of F and the way that particles go are scratch: they live for one pass over the particles. So L and this
    way are found next to one another at the end of a step, and F is stretched after that.
 
@@ -60,11 +64,14 @@ PetscErrorCode MpmFiniteAddScratch(MpmTableBuilder *b)
 
   PetscFunctionBegin;
   PetscCall(AddVector(t, MpmSpaceComponents(b->space, MPM_TENSOR), &tau));
+  for (PetscInt o = 0; o < f->nops; o++)
+    if (f->ops[o].kind == MPM_IMPLICIT) b->implicit = PETSC_TRUE;
+  if (b->implicit) PetscCall(AddVector(t, dim * dim, &b->stress));
   for (PetscInt field = 0; f->particle_fields[field]; field++) {
     if (f->particle_ranks[field] != MPM_TENSOR) continue;
     b->particle[field]  = tau;
     b->stretched[field] = t->stretch;
-    if (!f->scratch[field]) continue;
+    if (!f->scratch[field] || b->implicit) continue;
     PetscCall(AddVector(t, dim * dim, &b->stretched[field]));
     b->staged = PETSC_TRUE;
   }
@@ -183,7 +190,7 @@ PetscErrorCode MpmFiniteSet(MpmTableBuilder *b, const MpmOp *op)
   MpmOp one = *op;
 
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < b->space->dim * b->space->dim; c++) {
+  for (PetscInt c = 0; c < b->space->dim * b->space->dim && !b->implicit; c++) {
     one.dst = b->stretched[op->dst] + c;
     one.src = b->stretched[op->src] + c;
     PetscCall(MpmTableAppendOwn(b->table, one));
@@ -193,15 +200,19 @@ PetscErrorCode MpmFiniteSet(MpmTableBuilder *b, const MpmOp *op)
 
 PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
 {
-  const PetscInt dim = b->space->dim, node = b->node[op->dst], tau = b->particle[op->src];
+  const PetscInt  dim = b->space->dim, node = b->node[op->dst], tau = b->particle[op->src];
+  const PetscBool ahead = b->implicit && b->formulation->scratch[op->src] ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCheck(b->formulation->node_ranks[op->dst] == MPM_VECTOR && b->formulation->particle_ranks[op->src] == MPM_TENSOR,
              PETSC_COMM_SELF, PETSC_ERR_SUP, "the table: at finite deformation DIV makes a vector of a stress");
+  for (PetscInt a = 0; a < dim && ahead; a++) /* the solution is sought from 0 on */
+    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_COPY, .dst = node + a, .src = b->start + a}));
+  if (ahead) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
       MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_STRESS, .dst = tau, .src = b->stretched[op->src], .factor = 1}));
   if (b->space->loaded)
-    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = 1}));
+    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load}));
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt axis = 0; axis < dim; axis++)
       PetscCall(MpmBuilderTerm(b, op, node + a, tau + MpmSpaceStress(b->space, a, axis), axis, b->space->stiffness,
@@ -213,6 +224,40 @@ PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
                                                   .accumulates = PETSC_TRUE,
                                                   .coefficient = op->coefficient,
                                                   .factor      = -op->factor}));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* image = - DIV T of the slopes of a node field, and the body force. The grid's own slopes: no transfer has sharpened them. */
+PetscErrorCode MpmFiniteAhead(MpmTableBuilder *b, PetscInt field, PetscInt image)
+{
+  static const MpmOp slope = GRAD(0, 0, ONE), div = MINUS_DIV(0, 0, ONE);
+  const MpmTransfer  plain = {.name = b->transfer->name};
+  const PetscInt     dim   = b->space->dim;
+  MpmTableBuilder    own   = *b;
+
+  PetscFunctionBegin;
+  own.transfer = &plain;
+  for (PetscInt c = 0; c < dim * dim; c++) PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->slope + c, 0)));
+  for (PetscInt c = 0; c < dim * dim; c++) {
+    MpmOp one = slope;
+
+    one.kind = MPM_G2P_SLOPE;
+    PetscCall(MpmBuilderTerm(&own, &one, b->slope + c, b->node[field] + c / dim, c % dim, 1, PETSC_TRUE));
+  }
+  PetscCall(MpmTableAppendOwn(
+      b->table, (MpmOp){.kind = MPM_STRESS_AHEAD, .dst = b->stress, .src = b->slope, .factor = b->ahead}));
+  for (PetscInt c = 0; c < dim * dim; c++)
+    PetscCall(MpmBuilderTerm(&own, &div, image + c / dim, b->stress + c, c % dim, b->space->stiffness,
+                             c % dim ? PETSC_TRUE : PETSC_FALSE));
+  if (b->space->loaded)
+    PetscCall(
+        MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = b->ahead}));
+  for (PetscInt a = 0; a < dim && b->space->loaded; a++) {
+    MpmOp add = P2G(image + a, b->load + a);
+
+    add.accumulates = PETSC_TRUE;
+    PetscCall(MpmTableAppendOwn(b->table, add));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -232,6 +277,11 @@ PetscErrorCode MpmFiniteGrad(MpmTableBuilder *b, const MpmOp *op, PetscBool begi
     PetscCall(MpmBuilderSharpen(b, b->node[op->src] + a, &sharp));
     if (b->nsummed == b->nmoved && !b->formulation->scratch[op->dst])
       PetscCall(MpmBuilderSharpen(b, b->velocity + a, &sharp));
+  }
+  if (b->implicit && b->formulation->scratch[op->dst]) {
+    PetscCall(MpmBuilderSharpen(b, b->node[op->src], &b->start));
+    b->ahead = op->factor;
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (PetscInt c = 0; c < dim * dim && begins; c++)
     PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->slope + c, 0)));

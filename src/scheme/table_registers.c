@@ -104,8 +104,18 @@ PetscErrorCode MpmBuilderAddState(MpmTable *t, const char name[], PetscInt field
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscBool MpmBuilderIsAhead(const MpmTableBuilder *b, PetscInt field)
+{
+  const MpmFormulation *f = b->formulation;
+
+  for (PetscInt o = 0; o < f->nops && f->scratch[field] && MpmSpaceIsPrestressed(b->space); o++)
+    if (f->ops[o].kind == MPM_IMPLICIT) return f->particle_ranks[field] == MPM_TENSOR ? PETSC_TRUE : PETSC_FALSE;
+  return PETSC_FALSE;
+}
+
 PetscInt MpmBuilderComponents(const MpmTableBuilder *b, PetscBool on_nodes, PetscInt field)
 {
+  if (!on_nodes && MpmBuilderIsAhead(b, field)) return b->space->dim * b->space->dim;
   return MpmSpaceComponents(b->space,
                             on_nodes ? b->formulation->node_ranks[field] : b->formulation->particle_ranks[field]);
 }

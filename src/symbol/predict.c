@@ -290,9 +290,9 @@ PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], Mpm
   for (PetscInt i = 0; i < p->problems; i++) {
     cell[i]       = all;
     cell[i].stiff = HasStress(p) ? fmax(0, kappa[i]) : along[0].kappa;
-    if (MpmSpaceIsPrestressed(space)) cell[i].stiff *= 1 + space->prestress[0];
-    cell[i].kappa = sharp * cell[i].stiff;
+    cell[i].plain = cell[i].kappa = sharp * cell[i].stiff;
     if (!MpmSpaceIsPrestressed(space)) continue;
+    cell[i].kappa *= 1 + space->prestress[0];
     cell[i].chi       = sharp * space->prestress[0] * along[0].chi;
     cell[i].projected = space->move == MPM_MOVES_PROJECTED ? PETSC_TRUE : PETSC_FALSE;
   }

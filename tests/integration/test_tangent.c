@@ -369,12 +369,41 @@ static PetscErrorCode CheckTangents(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The implicit step, whose tangent is that of the solution of a nonlinear system. */
+static PetscErrorCode CheckImplicit(void)
+{
+  static const char *const kinds[] = {
+      "-cells 7 -ppc 2 -courant 3 -basis quadratic",
+      "-cells 7 -ppc 2 -courant 2 -theta 1 -basis cubic -transfer fmpm -boundary fixed,free",
+      "-dim 2 -cells 5,4 -ppc 2 -courant 1.5 -basis quadratic -transfer apic -gradient mls -boundary fixed,periodic",
+      "-dim 2 -cells 5,4 -ppc 2 -courant 1.5 -basis cubic -transfer blend -theta 0.7 -material svk",
+      "-dim 3 -cells 3,4,3 -ppc 1 -courant 1 -basis gimp -transfer pic"};
+  char options[512];
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(kinds); i++) {
+    PetscCall(PetscSNPrintf(
+        options, sizeof options,
+        "-kinematics finite -material neo -lame_ratio 0.7 -formulation implicit -jitter 0.2 -seed 3 %s", kinds[i]));
+    PetscCall(CheckTangent(options));
+  }
+  PetscCall(CheckRun(
+      "-kinematics finite -material neo -formulation implicit -basis quadratic -dim 2 -cells 6,4 -ppc 1 -jitter 0.3 "
+      "-transfer blend -boundary fixed,periodic -gravity 0.1,-0.2 -mode 1,0 -amplitude 0.2 -steps 4 -courant 2 "
+      "-tangent mode -window 4 -exponents 192"));
+  PetscCall(CheckMarch(
+      "-kinematics finite -material neo -formulation implicit -basis cubic -initial manufactured -cells 16 -ppc 4 "
+      "-amplitude 0.05 -courant 1.5"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
   PetscCheck(argc > 1, PETSC_COMM_WORLD, PETSC_ERR_USER, "tangent FILE");
   PetscCall(SlepcInitializeNoArguments());
   PetscCall(CheckTangents());
+  PetscCall(CheckImplicit());
   PetscCall(
       CheckTangent("-kinematics finite -material neo -lame_ratio 0.7 -formulation rk -rk kg5 -basis quadratic -dim 2 "
                    "-cells 5,4 -jitter 0.2 -boundary fixed,periodic"));

@@ -59,14 +59,14 @@ static PetscInt Lines(const MpmSchemeNumbers *numbers, const MpmTransfer *transf
 /*
    A step takes the node's velocity v and force b of the stress to
 
-     a = - (b + theta s v) / q,    v' = f v + alpha a,    b' = b + (s + x) (v + theta a)
+     a = - (b + theta s v) / q,    v' = f v + alpha a,    b' = b + (r + x) (v + theta a)
 
-   with s = k^2 kappa, x = k^2 chi and q = 1 + theta^2 k^2 times the stiffness of the grid.
+   with s = k^2 plain, r = k^2 kappa, x = k^2 chi and q = 1 + theta^2 k^2 times the stiffness of the grid.
 */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
-  const PetscReal theta = cell->numbers->theta, q = 1 + theta * theta * k * k * cell->stiff, s = k * k * cell->kappa;
-  const double complex sx = s + k * k * cell->chi;
+  const PetscReal theta = cell->numbers->theta, q = 1 + theta * theta * k * k * cell->stiff, s = k * k * cell->plain;
+  const double complex sx = k * k * (cell->kappa + cell->chi);
   const PetscReal      f = cell->filter, alpha = cell->alpha;
   const double complex trace = 1 + f - alpha * theta * s / q - theta * sx / q,
                        det   = f * (1 - theta * sx / q) + alpha * (sx - theta * s) / q;
@@ -107,7 +107,7 @@ const MpmFormulation MpmImplicit = {
     .scratch         = {[Q] = PETSC_TRUE},
     .node_fields     = {"v_i", "a_i", "w_i"},
     .node_ranks      = {MPM_VECTOR, MPM_VECTOR, MPM_VECTOR},
-    .options         = {"theta"},
+    .options         = {"theta", "halvings"},
     .lines           = Lines,
     .staggered       = MPM_NONE,
     MOMENTUM_PROBLEM,
