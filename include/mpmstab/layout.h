@@ -66,6 +66,25 @@ typedef struct {
 } MpmSpan;
 
 /*S
+   MpmGiven - particles whose places a CSV file gives. Particle id is that of line id + 2; every rank has all of them.
+
+   path      - the file
+   particles - how many there are
+   column    - column[a]: the places along direction a, in cells; the others are those of the file, while it is read
+   property  - their properties (MpmProperty), NULL: not there, so all have 1
+   before    - before[a][c]: the number of particles before cell c along direction a
+   has       - whether the file has volumes, masses, and young
+   unused    - the names of columns that nothing reads
+S*/
+#define MPM_GIVEN_COLUMNS 7
+typedef struct {
+  char       path[1024], unused[256];
+  PetscInt64 particles, *before[MPM_MAX_DIM];
+  PetscReal *column[MPM_GIVEN_COLUMNS], *property[MPM_PROPERTIES];
+  PetscBool  has[3];
+} MpmGiven;
+
+/*S
    MpmLayout - a grid and the particles that rest in it. Lengths are in cells. Arrays have one entry for each direction.
 
    In each direction, particle j of the n in cell i rests at i + (j + offset + jitter (r - 1/2)) / n, where r in [0,1) is
@@ -97,6 +116,7 @@ typedef struct {
    balance    - how the cells are shared among ranks
    march      - how a march is run
    ranks      - the number of ranks along each direction; 0: those with the fewest ghosts
+   given      - the particles of a file, which take the place of those at sites; NULL: none
 S*/
 typedef struct {
   const char  *name;
@@ -115,6 +135,7 @@ typedef struct {
   const char  *shape;
   PetscInt64   nspans;
   MpmSpan     *spans;
+  MpmGiven    *given;
 } MpmLayout;
 
 /* Not collective. The numbers of cells and nodes of the grid, and of the sites in the fullest cell, over all directions. */
@@ -156,7 +177,13 @@ static inline PetscBool MpmLayoutIsPeriodic(const MpmLayout *layout)
 /* Not collective. Whether there is a particle at every site, and a site in every cell. */
 static inline PetscBool MpmLayoutIsFull(const MpmLayout *layout)
 {
-  return layout->particles == layout->sites && !layout->counts.voids ? PETSC_TRUE : PETSC_FALSE;
+  return !layout->given && layout->particles == layout->sites && !layout->counts.voids ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Not collective. Whether particles share no coordinate, so that they are in no lines. */
+static inline PetscBool MpmLayoutIsScattered(const MpmLayout *layout)
+{
+  return layout->given || layout->jitter != 0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Not collective. Whether all cells are alike and there are no ends, so that Fourier modes do not mix. */

@@ -2,13 +2,28 @@
 #include "analysis/leftmost.h"
 #include "scene/layout.h"
 
+/* Whether a particle of a file is exactly on a node, where hats have a slope at a node that they give no mass. */
+static PetscBool IsOnNode(const MpmLayout *layout)
+{
+  PetscInt  cell[MPM_MAX_DIM];
+  PetscReal xi[MPM_MAX_DIM];
+
+  for (PetscInt64 id = 0; layout->given && id < layout->particles; id++) {
+    MpmLayoutPlace(layout, id, cell, xi);
+    for (PetscInt a = 0; a < layout->dim; a++)
+      if (xi[a] == 0) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 PetscBool MpmLeftmostDecides(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step)
 {
   const MpmSpace *space = &scheme->space;
 
   if (!scheme->formulation->leftmost || !scheme->transfer->leftmost) return PETSC_FALSE;
   if (MpmSpaceIsPrestressed(space) || space->displaced || space->finite) return PETSC_FALSE;
-  if (MpmStepDrifts(step) || (!MpmLayoutIsFull(layout) && layout->jitter == 0)) return PETSC_FALSE;
+  if (MpmStepDrifts(step) || (!MpmLayoutIsFull(layout) && !MpmLayoutIsScattered(layout))) return PETSC_FALSE;
+  if (scheme->basis->hat && IsOnNode(layout)) return PETSC_FALSE;
   for (PetscInt a = 0; a < layout->dim; a++)
     for (int end = 0; end < 2; end++)
       if (layout->grid[a].ends[end] == MPM_FIXED_REACTION) return PETSC_FALSE;

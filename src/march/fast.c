@@ -22,7 +22,7 @@ static const MpmPass *PassOf(const MpmMarch *march, PetscInt number)
 static PetscErrorCode Compile(MpmMarch *march)
 {
   const PetscBool clouds =
-      march->layout->dim > 1 && (march->layout->jitter != 0 || march->particles->own) ? PETSC_TRUE : PETSC_FALSE;
+      march->layout->dim > 1 && (MpmLayoutIsScattered(march->layout) || march->particles->own) ? PETSC_TRUE : PETSC_FALSE;
   PetscInt n = 0, size = 0;
 
   PetscFunctionBegin;

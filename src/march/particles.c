@@ -229,7 +229,9 @@ PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table
   (*particles)->own    = MpmTableIsFinite(table);
   if (!(*particles)->own) PetscCall(PetscArraycpy((*particles)->drift, drift, MPM_MAX_DIM));
   PetscCall(CreateSwarm(grid, *particles));
-  if (grid->dim == 1)
+  if (layout->given)
+    PetscCall(MpmParticlesPlaceGiven(grid, *particles));
+  else if (grid->dim == 1)
     PetscCall(Place(grid, *particles));
   else
     PetscCall(MpmParticlesPlaceBox(grid, *particles));

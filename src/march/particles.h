@@ -100,6 +100,9 @@ static inline void MpmParticlesLagrangian(const MpmParticles *particles, PetscIn
 /* Not collective. Places the particles of this rank, in more than one dimension. MpmParticlesCreate calls it. */
 PetscErrorCode MpmParticlesPlaceBox(const MpmGrid *grid, MpmParticles *particles);
 
+/* Not collective. The same for the particles of a file, in the order of their places. */
+PetscErrorCode MpmParticlesPlaceGiven(const MpmGrid *grid, MpmParticles *particles);
+
 /*
    Not collective. order[i] is the i-th particle by its cell, x fastest. Those of a cell stay in the order that they are in.
 */

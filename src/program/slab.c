@@ -25,8 +25,12 @@ PetscErrorCode MpmSlabOf(MPI_Comm comm, const MpmLayout *layout, const MpmScheme
   end      = MpmLayoutParticlesBefore(layout, last, s->first + s->cells);
   s->begin = (PetscInt)(plane * begin);
   s->particles = (PetscInt)(plane * (end - begin));
-  s->fields    = scheme->table->nstate;
-  s->state     = s->particles * s->fields;
+  if (layout->given) { /* in the order of their ids, wherever they are */
+    s->begin     = (PetscInt)(layout->particles * rank / size);
+    s->particles = (PetscInt)(layout->particles * (rank + 1) / size) - s->begin;
+  }
+  s->fields = scheme->table->nstate;
+  s->state  = s->particles * s->fields;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

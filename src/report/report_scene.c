@@ -1,6 +1,7 @@
 /* The scene at the beginning of every task's report and tree, and lines that several reports have. */
 #include <mpmstab/errors.h>
 #include "scene/fields.h"
+#include "scene/layout.h"
 #include "base/text.h"
 #include "base/errors_private.h"
 #include "report/report.h"
@@ -70,7 +71,12 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
   PetscFunctionBegin;
   if (s->layout.counts.n > 1)
     PetscCall(PrintFields(s, request, "particles in cells: {counts}, repeated; {particles} in all\n"));
-  else if (!MpmSceneIsFull(s))
+  else if (s->layout.given) {
+    char text[512];
+
+    MpmGivenText(s->layout.given, sizeof text, text);
+    MpmPrint("%s\n", text);
+  } else if (!MpmSceneIsFull(s))
     PrintFilled(&s->layout);
   if (s->scheme.space.finite) {
     PetscCall(PrintFields(s, request, "finite deformation, material {material}, from the stretch {stretch}"));
@@ -168,7 +174,10 @@ static PetscErrorCode PrintScene(const MpmScene *s, const MpmRequest *request)
   if (s->scheme.transfer->option)
     MpmPrint(" (%s %g)", s->scheme.transfer->option, s->scheme.transfer->number(&s->scheme.numbers));
   PetscCall(PrintFields(
-      s, request, ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "));
+      s, request,
+      s->layout.given
+          ? ", {boundary}\n{cells} cells, {particles} particles of {layout}, "
+          : ", {boundary}\n{cells} cells x {ppc} particles ({layout}, offset {offset}, jitter {jitter}), "));
   PetscCall(PrintStep(s, request));
   PrintRanks("");
   PetscCall(PrintScheme(s, request));

@@ -12,6 +12,7 @@
 #include "scene/layout.h"
 #include <mpmstab/errors.h>
 #include <math.h>
+#include <string.h>
 
 void MpmLayoutSite(const MpmLayout *layout, PetscInt64 g, PetscInt *cell, PetscInt *j, PetscInt *count)
 {
@@ -39,6 +40,7 @@ PetscInt64 MpmLayoutParticlesBefore(const MpmLayout *layout, PetscInt a, PetscIn
 {
   const PetscInt64 sites = layout->dim == 1 ? MpmLayoutSitesBefore(layout, cell) : (PetscInt64)cell * layout->ppc[a];
 
+  if (layout->given) return layout->given->before[a][cell];
   return PetscClipInterval(sites - layout->first[a], 0, layout->row[a]);
 }
 
@@ -117,6 +119,10 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], Pet
   PetscInt64 site[MPM_MAX_DIM], number;
   PetscInt   n, j, count;
 
+  if (layout->given) {
+    MpmGivenPlace(layout, id, cell, xi);
+    return;
+  }
   MpmLayoutSites(layout, id, site);
   number = Number(layout, site);
   if (layout->dim == 1) { /* where cells may have different numbers of sites */
@@ -222,8 +228,9 @@ void MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[])
   text[0] = 0;
   for (PetscInt a = 0; a < layout->dim; a++)
     Append(text, room, a ? ",%" PetscInt_FMT : "cells %" PetscInt_FMT, layout->grid[a].cells);
-  for (PetscInt a = 0; a < layout->dim; a++)
+  for (PetscInt a = 0; a < layout->dim && !layout->given; a++)
     Append(text, room, a ? ",%" PetscInt_FMT : " with ppc %" PetscInt_FMT, layout->ppc[a]);
+  if (layout->given) (void)snprintf(text + strlen(text), room - strlen(text), " with layout %s", layout->given->path);
 }
 
 PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[])

@@ -36,6 +36,16 @@ void MpmLayoutSites(const MpmLayout *layout, PetscInt64 id, PetscInt64 site[]);
 void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], PetscReal xi[]);
 
 /*
+   MpmGivenPlace - MpmLayoutPlace for the particles of a file. MpmGivenText - what of them is the file's, and what is not.
+   MpmGivenDestroy - frees them.
+
+   Not collective.
+*/
+void           MpmGivenPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], PetscReal xi[]);
+void           MpmGivenText(const MpmGiven *given, size_t room, char text[]);
+PetscErrorCode MpmGivenDestroy(MpmGiven **given);
+
+/*
    MpmLayoutIsVoid - whether the site of particle id is a void, where a share of all sites are voids.
 
    Not collective. Site number g is a void where hash(seed', g) < share, with the hash of base/hash.h and a seed' that is

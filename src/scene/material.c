@@ -43,6 +43,7 @@ PetscReal MpmMaterialProperty(const MpmLayout *layout, MpmProperty property, Pet
   PetscInt  cell, j, count;
   PetscReal volume;
 
+  if (layout->given) return layout->given->property[property] ? layout->given->property[property][id] : 1;
   if (property == MPM_STIFFNESS) return Ratio(layout, layout->material.stiffness, id);
   volume = 1;
   if (layout->dim == 1) {
@@ -56,6 +57,15 @@ void MpmMaterialBounds(const MpmLayout *layout, PetscReal bound[MPM_PROPERTIES])
 {
   const PetscBool varied = layout->material.kind != MPM_MATERIAL_UNIFORM ? PETSC_TRUE : PETSC_FALSE;
 
+  if (layout->given) {
+    for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) bound[w] = MpmMaterialProperty(layout, w, 0);
+    for (PetscInt64 id = 1; id < layout->particles; id++) {
+      bound[MPM_MASS]      = PetscMin(bound[MPM_MASS], MpmMaterialProperty(layout, MPM_MASS, id));
+      bound[MPM_VOLUME]    = PetscMax(bound[MPM_VOLUME], MpmMaterialProperty(layout, MPM_VOLUME, id));
+      bound[MPM_STIFFNESS] = PetscMax(bound[MPM_STIFFNESS], MpmMaterialProperty(layout, MPM_STIFFNESS, id));
+    }
+    return;
+  }
   bound[MPM_MASS] = varied ? PetscMin(1, layout->material.density) : 1;
   if (layout->material.kind == MPM_MATERIAL_WAVE) bound[MPM_MASS] = 1 / layout->material.density;
   bound[MPM_STIFFNESS] = varied ? PetscMax(1, layout->material.stiffness) : 1;

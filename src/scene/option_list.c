@@ -42,7 +42,6 @@ SAYS(KinematicsOf, MpmKinematicsNames[s->scheme.space.finite ? 1 : 0])
 SAYS(ShapeOf, s->layout.shape ? s->layout.shape : MpmShapeNames[0])
 SAYS(LayoutOf, s->layout.name)
 SAYS(MaterialOf, s->law == &MpmLawLinear ? MpmMaterialNames[s->layout.material.kind] : s->law->name)
-static const char *const layouts[] = {"uniform", NULL};
 
 /* How many components a stress has. */
 static PetscInt StressNumbers(const MpmScene *scene)
@@ -91,6 +90,8 @@ WHEN(HasSafety, s->safety > 0)
 WHEN(HasDrift, in == MPM_IN_CHECKPOINT || s->safety == 0)
 WHEN(HasTimeStep, s->safety == 0 && (in != MPM_IN_JSON || (MpmSceneIsPhysical(s) && MpmSceneHasStep(s))))
 WHEN(HasPolarisation, MpmSceneHasPoisson(s) && s->initial == MPM_INITIAL_MODE)
+/* files have always said uniform */
+WHEN(HasLayout, in == MPM_IN_FILE || s->layout.given)
 WHEN(HasOffset, in != MPM_IN_JSON || !IsCentred(&s->layout))
 WHEN(HasJitter, in != MPM_IN_JSON || s->layout.jitter != 0)
 /* the seed decides where particles are, and for a run also what random data it starts from */
@@ -181,8 +182,8 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 1000000), .rival = "counts", MADE(AS_COUNT, layout.ppc[0]), .each = STRIDE(layout.ppc[0]), IN(12, 7, 0, 6)},
   {"counts", MPM_LIST, NULL, "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc",
    BETWEEN(0, 1000000), .rival = "ppc", MADE(AS_COUNTS, layout.counts), IN(26, 16, 8, 7), SHOWN(HasCounts)},
-  {"layout", MPM_WORD, "uniform", "where particles start",
-   WORDS(layouts), TEXT(LayoutOf), IN(4, 0, 0, 0)},
+  {"layout", MPM_PATH, "uniform", "where particles start: uniform (from offset, displaced by jitter), or a CSV file with a header x[,y,z] and optional volume, mass, young, poisson, and a line for each particle, in the units of length",
+   NO_RANGE, TEXT(LayoutOf), IN(4, 76, 70, 54), SHOWN(HasLayout), READS},
   {"offset", MPM_FRACTION, "0.5", "start of the first particle, in particle spacings",
    BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), EACH(AS_FRACTION, layout.offset, layout.offset[0]), IN(9, 13, 9, 13), SHOWN(HasOffset)},
   {"jitter", MPM_REAL, "0", "random displacement, in particle spacings",

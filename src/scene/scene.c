@@ -60,8 +60,6 @@ static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsWord(settings, "transfer", &i));
   scene->scheme.transfer = MpmTransfers[i];
   PetscCall(ReadOwnTransfer(settings, scene));
-  PetscCall(MpmSettingsWord(settings, "layout", &i));
-  scene->layout.name = MpmFieldWord(&MpmOptions[MpmOptionIndex("layout")], i);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -369,6 +367,11 @@ static PetscErrorCode ReadMaterial(const MpmSettings *settings, MpmScene *scene)
     PetscCall(MpmSettingsRefuseUnless(settings, "inclusion", "material", "allowed: only with material two"));
     scene->layout.material = (MpmMaterial){.kind = MPM_MATERIAL_UNIFORM, .density = 1, .stiffness = 1};
   }
+  if (scene->layout.given) {
+    if (scene->layout.given->has[1] || scene->layout.given->has[2])
+      PetscCall(MpmSettingsRequire(settings, scene, "layout", CanDiffer, "density and stiffness of each particle"));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   varies[MPM_VOLUME]    = scene->layout.counts.n > 1 ? PETSC_TRUE : PETSC_FALSE;
   varies[MPM_MASS]      = varies[MPM_VOLUME] || scene->layout.material.density != 1 ? PETSC_TRUE : PETSC_FALSE;
   varies[MPM_STIFFNESS] = scene->layout.material.stiffness != 1 ? PETSC_TRUE : PETSC_FALSE;
@@ -404,6 +407,7 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsReadScheme(settings));
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_SCENE, &scene->layout.dim, scene));
   PetscCall(ReadWords(settings, scene));
+  PetscCall(MpmSettingsReadGiven(settings, scene));
   PetscCall(MpmSettingsReadWaveSpeed(settings, scene));
   PetscCall(MpmSettingsReadKinematics(settings, scene));
   if (scene->scheme.space.finite)
@@ -416,6 +420,7 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadBoundary(settings, scene));
   PetscCall(ReadFill(settings, scene));
   PetscCall(MpmSettingsReadShape(settings, scene));
+  PetscCall(MpmSettingsPlaceGiven(settings, scene));
   PetscCall(ReadSpace(settings, scene));
   PetscCall(MpmSettingsReadPace(settings, scene));
   PetscCall(ReadMaterial(settings, scene));
@@ -436,6 +441,7 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene)
   if (*scene) {
     PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
     PetscCall(PetscFree((*scene)->layout.spans));
+    PetscCall(MpmGivenDestroy(&(*scene)->layout.given));
     PetscCall(MpmWrittenFormulationDestroy(&(*scene)->own));
     PetscCall(MpmWrittenDestroy(&(*scene)->written));
   }

@@ -27,7 +27,8 @@ static PetscBool IsAlong(const Mode *m, PetscInt a)
 /* The length of the material, since a bar may end before its domain does. */
 static PetscReal LengthOf(const MpmScene *scene, PetscInt a)
 {
-  return MpmLayoutIsPeriodic(&scene->layout) || scene->layout.particles == scene->layout.sites || scene->layout.dim > 1
+  return MpmLayoutIsPeriodic(&scene->layout) || scene->layout.given || scene->layout.particles == scene->layout.sites ||
+                 scene->layout.dim > 1
              ? scene->length[a]
              : scene->cell_width * (PetscReal)scene->layout.particles / scene->layout.ppc[0];
 }

@@ -268,6 +268,17 @@ PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *sce
 /* Collective. Reads whether a run chooses its steps, and how large a part of the largest stable one they are. */
 PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene);
 
+/*
+   MpmSettingsReadGiven  - reads the particles of the file that the option layout names, and Poisson's ratio where it has one
+                           and the options have none. The dimension must be known.
+   MpmSettingsPlaceGiven - places them in the grid, and refuses those outside and options of sites. All but material and
+                           table must be known.
+
+   Collective. The first rank reads; all refuse together, with the number of the line.
+*/
+PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scene);
+
 /* Collective. Reads the shape that particles fill. The box that they are in and the kinematics must be known. */
 PetscErrorCode MpmSettingsReadShape(const MpmSettings *settings, MpmScene *scene);
 

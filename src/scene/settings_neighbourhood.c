@@ -43,6 +43,9 @@ PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const 
                       "at a Mach number the search is of the bulk; allowed: drift");
   if (!n) word[n++] = critical && !request->survey && !request->at_mach && FillsSpace(scene) ? ALL : MPM_IN_BULK;
   for (PetscInt i = 0; i < n; i++) Take(word[i], scene, request);
+  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
+    MpmSettingsRefuseIf(scene->layout.given && request->neighbourhood[kind] != (kind == MPM_IN_BULK), settings,
+                        "neighbourhood", "the layout of a file has its own surfaces; allowed: bulk, or layout uniform");
   if (!request->neighbourhood[MPM_IN_BULK])
     PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
                                    "csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix",

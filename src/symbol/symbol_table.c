@@ -47,6 +47,11 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
                 "%s: the symbol needs the same particles in every cell; allowed: without it ('mpmstab spectrum' takes "
                 "any layout)",
                 layout->counts.n > 1 ? "counts" : "material");
+  MpmCheckInput(
+      !layout->given,
+      "layout %s: the symbol needs the same particles in every cell; allowed: layout uniform ('mpmstab spectrum' "
+      "and 'mpmstab critical' take any layout)",
+      layout->given->path);
   MpmCheckInput(MpmLayoutIsFull(layout),
                 "fill: the symbol needs the same particles in every cell; allowed: without fill ('mpmstab spectrum' "
                 "takes any layout)");

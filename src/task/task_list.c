@@ -113,6 +113,10 @@ static PetscErrorCode ListLayouts(void)
   MpmPrint("  %-14s equally spaced from offset, displaced by jitter (hashed from the particle's id), within fill and "
            "cluster, ppc or counts in a cell\n",
            "uniform");
+  MpmPrint(
+      "  %-14s a CSV file: a header x[,y,z] and of volume, mass, young, poisson what there is; then a line for each "
+      "particle\n",
+      "FILE");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

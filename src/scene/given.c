@@ -1,0 +1,397 @@
+/*
+   Particles whose places a CSV file gives (layout FILE): a header with the names of the columns, then a line for each
+   particle, whose id is the number of its line. The first rank reads the file line by line, twice: it counts the lines,
+   and then fills arrays of that size, which all ranks get.
+
+   The moduli of a particle count as its stiffness against a strain in one direction, over the scene's rho c^2: E for a bar,
+   and E (1 - nu) / ((1 + nu) (1 - 2 nu)) in more dimensions.
+*/
+#include "base/memory.h"
+#include "base/textfile.h"
+#include "scene/layout.h"
+#include "scene/settings.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define LONGEST 4096 /* bytes of a line */
+#define MOST_COLUMNS 64
+#define MOST_PARTICLES (PETSC_MAX_INT / 2)
+#define PORTION (1 << 28) /* numbers in a message */
+#define SAME_RATIO 1e-12
+
+enum { X, Y, Z, VOLUME, MASS, YOUNG, POISSON, KNOWN, IGNORED = -1 };
+static const char *const names[KNOWN] = {"x", "y", "z", "volume", "mass", "young", "poisson"};
+
+/* What a column's numbers may be. */
+static const struct {
+  PetscReal   lo, hi;
+  PetscBool   open;
+  const char *allowed;
+} ranges[KNOWN] = {[X]       = {-PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_FALSE, "a number"},
+                   [Y]       = {-PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_FALSE, "a number"},
+                   [Z]       = {-PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_FALSE, "a number"},
+                   [VOLUME]  = {0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
+                   [MASS]    = {0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
+                   [YOUNG]   = {0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
+                   [POISSON] = {0, 0.5, PETSC_FALSE, "a number from 0 to 0.5"}};
+
+/* A file that is being read. why: what is wrong with it, after its name; empty: nothing. */
+typedef struct {
+  FILE      *stream;
+  PetscInt   dim, columns, of[MOST_COLUMNS];
+  PetscInt64 line, particles;
+  PetscReal *value[KNOWN];
+  char       text[LONGEST + 2], why[512], unused[256];
+} Reader;
+
+/* ---- lines ---- */
+
+/* Takes the next line without its end; false at the end of the file, or where something is wrong with the line. */
+static PetscBool NextLine(Reader *r)
+{
+  size_t length;
+
+  if (!fgets(r->text, sizeof r->text, r->stream)) return PETSC_FALSE;
+  r->line++;
+  length = strlen(r->text);
+  if (length == 0 || (r->text[length - 1] != '\n' && !feof(r->stream))) {
+    (void)snprintf(r->why, sizeof r->why,
+                   "line %" PetscInt64_FMT ": not text, or longer than %d characters; allowed: a CSV file", r->line,
+                   LONGEST);
+    return PETSC_FALSE;
+  }
+  while (length && strchr("\r\n \t", r->text[length - 1])) r->text[--length] = '\0';
+  return PETSC_TRUE;
+}
+
+/* Cuts the cell before the next comma off a line; NULL: there is none. */
+static char *NextCell(char **line)
+{
+  char *cell = *line, *comma = cell ? strchr(cell, ',') : NULL;
+
+  if (comma) *comma = '\0';
+  *line = comma ? comma + 1 : NULL;
+  return cell;
+}
+
+/* Counts the lines with particles: all but the header, up to the last that is not empty. */
+static void Count(Reader *r)
+{
+  PetscInt64 last = 0;
+
+  while (NextLine(r))
+    if (r->text[0]) last = r->line;
+  r->particles = PetscMax(0, last - 1);
+  if (!r->why[0] && last == 0)
+    (void)snprintf(r->why, sizeof r->why,
+                   "it is empty; allowed: a header such as x,y,volume and a line for each particle");
+  else if (!r->why[0] && !r->particles)
+    (void)snprintf(r->why, sizeof r->why, "it has a header and no particle; allowed: at least one line more");
+  else if (!r->why[0] && r->particles > MOST_PARTICLES)
+    (void)snprintf(r->why, sizeof r->why, "it has %" PetscInt64_FMT " particles; allowed: at most %d", r->particles,
+                   (int)MOST_PARTICLES);
+  rewind(r->stream);
+  r->line = 0;
+}
+
+static PetscInt ColumnOf(const char name[])
+{
+  for (PetscInt c = 0; c < KNOWN; c++)
+    if (!strcasecmp(name, names[c])) return c;
+  return IGNORED;
+}
+
+/* Reads the header. Columns of other names are passed over. */
+static void ReadHeader(Reader *r)
+{
+  PetscBool has[KNOWN] = {PETSC_FALSE};
+  char     *next       = r->text, *name;
+
+  if (!NextLine(r)) return;
+  if (*next == '#') next++; /* as numpy.savetxt writes it */
+  while ((name = NextCell(&next)) && !r->why[0]) {
+    PetscInt column;
+
+    name += strspn(name, " \t\"");
+    name[strcspn(name, " \t\"")] = '\0';
+    column                       = ColumnOf(name);
+    if (r->columns == MOST_COLUMNS || (column != IGNORED && has[column])) {
+      (void)snprintf(r->why, sizeof r->why, "line 1: %s; allowed: each column once, at most %d",
+                     r->columns == MOST_COLUMNS ? "too many columns" : "a column twice", MOST_COLUMNS);
+      return;
+    }
+    r->of[r->columns++] = column;
+    if (column != IGNORED)
+      has[column] = PETSC_TRUE;
+    else
+      (void)snprintf(r->unused + strlen(r->unused), sizeof r->unused - strlen(r->unused), "%s%.32s",
+                     r->unused[0] ? ", " : "", name);
+  }
+  for (PetscInt a = 0; a < MPM_MAX_DIM && !r->why[0]; a++) {
+    if (has[a] == (a < r->dim)) continue;
+    (void)snprintf(r->why, sizeof r->why,
+                   a < r->dim
+                       ? "line 1: there is no column %s; allowed: a header with x%s, and of volume, mass, young "
+                         "and poisson what there is"
+                       : "line 1: there is a column %s%.0s, and -dim is less; allowed: -dim with the columns that "
+                         "there are",
+                   names[a],
+                   r->dim > 2   ? ",y,z"
+                   : r->dim > 1 ? ",y"
+                                : "");
+  }
+}
+
+/* Reads the numbers of a particle. */
+static void ReadParticle(Reader *r, PetscInt64 id)
+{
+  char *next = r->text, *cell, *end;
+
+  for (PetscInt c = 0; c < r->columns; c++) {
+    const PetscInt of = r->of[c];
+    PetscReal      value;
+
+    cell = NextCell(&next);
+    if (!cell || (c == r->columns - 1 && next)) {
+      (void)snprintf(r->why, sizeof r->why,
+                     "line %" PetscInt64_FMT ": %s numbers than columns; allowed: %" PetscInt_FMT, r->line,
+                     cell ? "more" : "fewer", r->columns);
+      return;
+    }
+    if (of == IGNORED) continue;
+    value = strtod(cell, &end);
+    if (end != cell) end += strspn(end, " \t");
+    if (end == cell || *end || !isfinite(value) ||
+        !(ranges[of].open ? value > ranges[of].lo : value >= ranges[of].lo) || value > ranges[of].hi) {
+      (void)snprintf(r->why, sizeof r->why, "line %" PetscInt64_FMT ": %s '%.40s'; allowed: %s", r->line, names[of],
+                     cell, ranges[of].allowed);
+      return;
+    }
+    r->value[of][id] = value;
+  }
+}
+
+/* ---- the file ---- */
+
+static PetscErrorCode Open(const char path[], Reader *r)
+{
+  int error = 0;
+
+  PetscFunctionBegin;
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) {
+    r->stream = MpmFileOpen(path, &error);
+    if (!r->stream)
+      (void)snprintf(r->why, sizeof r->why, "%s; allowed: uniform, or a CSV file of particles", MpmFileReason(error));
+    if (r->stream) Count(r);
+    if (r->stream && !r->why[0]) ReadHeader(r);
+  }
+  PetscCallMPI(MPI_Bcast(r->why, sizeof r->why, MPI_CHAR, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(&r->particles, 1, MPIU_INT64, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(&r->columns, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(r->of, MOST_COLUMNS, MPIU_INT, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(r->unused, sizeof r->unused, MPI_CHAR, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Share(Reader *r)
+{
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(r->why, sizeof r->why, MPI_CHAR, 0, PETSC_COMM_WORLD));
+  for (PetscInt c = 0; c < KNOWN && !r->why[0]; c++)
+    for (PetscInt64 i = 0; r->value[c] && i < r->particles; i += PORTION)
+      PetscCallMPI(
+          MPI_Bcast(r->value[c] + i, (PetscMPIInt)PetscMin(PORTION, r->particles - i), MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene)
+{
+  const char *path  = MpmSettingsText(settings, "layout");
+  Reader      r     = {.dim = scene->layout.dim};
+  MpmGiven   *given = NULL;
+
+  PetscFunctionBegin;
+  scene->layout.name = "uniform";
+  if (!strcasecmp(path, scene->layout.name)) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmSettingsRefuseIf(!*path || strlen(path) >= sizeof given->path, settings, "layout",
+                      "allowed: uniform, or the name of a CSV file of particles");
+  PetscCall(Open(path, &r));
+  if (!r.why[0]) {
+    PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, path,
+                             (PetscReal)r.particles * (PetscReal)sizeof(PetscReal) * (r.columns + MPM_PROPERTIES) *
+                                 MpmRanksOf(PETSC_COMM_WORLD),
+                             "a copy of the particles on each rank"));
+    PetscCall(PetscNew(&given));
+    scene->layout.given = given;
+    for (PetscInt c = 0; c < r.columns; c++)
+      if (r.of[c] != IGNORED) PetscCall(PetscMalloc1(r.particles, &given->column[r.of[c]]));
+    PetscCall(PetscArraycpy(r.value, given->column, KNOWN));
+    for (PetscInt64 id = 0; r.stream && id < r.particles && !r.why[0]; id++)
+      if (NextLine(&r)) ReadParticle(&r, id);
+    PetscCall(Share(&r));
+  }
+  if (r.stream) (void)fclose(r.stream);
+  MpmCheckInput(!r.why[0], "layout %s: %s", path, r.why);
+  (void)snprintf(given->path, sizeof given->path, "%s", path);
+  (void)snprintf(given->unused, sizeof given->unused, "%s", r.unused);
+  given->particles = r.particles;
+  for (int i = 0; i < 3; i++) given->has[i] = given->column[VOLUME + i] ? PETSC_TRUE : PETSC_FALSE;
+  scene->layout.name = given->path;
+  if (given->column[POISSON] && scene->layout.dim > 1 && MpmSettingsSource(settings, "poisson") == MPM_FROM_DEFAULT)
+    scene->scheme.space.poisson = given->column[POISSON][0];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGivenDestroy(MpmGiven **given)
+{
+  PetscFunctionBegin;
+  if (!*given) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt c = 0; c < KNOWN; c++) PetscCall(PetscFree((*given)->column[c]));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree((*given)->before[a]));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++) PetscCall(PetscFree((*given)->property[w]));
+  PetscCall(PetscFree(*given));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- in the scene's grid ---- */
+
+/* Turns the places along a direction into cells, and counts the particles before each cell. */
+static PetscErrorCode PlaceAlong(const MpmScene *scene, PetscInt a)
+{
+  MpmGiven       *given = scene->layout.given;
+  const PetscInt  cells = scene->layout.grid[a].cells;
+  const PetscReal width = scene->cell_width;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(cells + 1, &given->before[a]));
+  for (PetscInt64 id = 0; id < given->particles; id++) {
+    const PetscReal x = given->column[a][id] / width;
+
+    MpmCheckInput(x >= 0 && x <= cells,
+                  "layout %s: line %" PetscInt64_FMT ": %s %.17g is outside of the domain; allowed: from 0 to %.17g "
+                  "(-length, -cell_width and -cells say how long the domain is)",
+                  given->path, id + 2, names[a], given->column[a][id], scene->length[a]);
+    given->column[a][id] = x;
+    given->before[a][PetscMin((PetscInt)x, cells - 1) + 1]++;
+  }
+  for (PetscInt c = 0; c < cells; c++) given->before[a][c + 1] += given->before[a][c];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* E to the stiffness against a strain in one direction. */
+static PetscReal Stiffness(const MpmScene *scene, PetscReal young)
+{
+  const PetscReal nu = scene->scheme.space.poisson;
+
+  return scene->layout.dim == 1 ? young : young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+}
+
+/* Properties in units of a particle of the scene's material that fills 1 / ppc of a cell. */
+static PetscErrorCode Weigh(MpmScene *scene)
+{
+  MpmLayout      *l       = &scene->layout;
+  MpmGiven       *given   = l->given;
+  const PetscReal density = scene->density > 0 ? scene->density : 1;
+  const PetscReal modulus = density * PetscSqr(scene->wave_speed);
+  PetscReal       unit = 1, domain = 1;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < l->dim; a++) {
+    unit *= scene->cell_width / l->ppc[a];
+    domain *= scene->length[a];
+  }
+  for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) {
+    if (w == MPM_STIFFNESS && !given->column[YOUNG]) continue;
+    PetscCall(PetscMalloc1(given->particles, &given->property[w]));
+    l->varies[w] = PETSC_TRUE;
+  }
+  for (PetscInt64 id = 0; id < given->particles; id++) {
+    const PetscReal volume =
+        (given->column[VOLUME] ? given->column[VOLUME][id] : domain / (PetscReal)given->particles) / unit;
+
+    given->property[MPM_VOLUME][id] = volume;
+    given->property[MPM_MASS][id]   = given->column[MASS] ? given->column[MASS][id] / (density * unit) : volume;
+    if (given->column[YOUNG]) given->property[MPM_STIFFNESS][id] = Stiffness(scene, given->column[YOUNG][id]) / modulus;
+    for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++)
+      MpmCheckInput(!given->property[w] || isnormal(given->property[w][id]),
+                    "layout %s: line %" PetscInt64_FMT
+                    ": mass, volume or young is out of range beside the scene's density, cells and wave speed",
+                    given->path, id + 2);
+  }
+  for (PetscInt c = VOLUME; c < POISSON; c++) PetscCall(PetscFree(given->column[c]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Stress has one ratio of lambda to mu for all particles. */
+static PetscErrorCode CheckPoisson(const MpmScene *scene)
+{
+  const MpmGiven *given = scene->layout.given;
+  const PetscReal nu    = scene->scheme.space.poisson;
+
+  PetscFunctionBegin;
+  for (PetscInt64 id = 0; given->column[POISSON] && scene->layout.dim > 1 && id < given->particles; id++)
+    MpmCheckInput(fabs(given->column[POISSON][id] - nu) <= SAME_RATIO,
+                  "layout %s: line %" PetscInt64_FMT ": poisson %.17g where another particle, or -poisson, has %.17g; "
+                  "allowed: one for all particles",
+                  given->path, id + 2, given->column[POISSON][id], nu);
+  MpmCheckInput(
+      !given->column[YOUNG] || scene->layout.dim == 1 || nu < 0.5,
+      "layout %s: young with poisson 0.5 has no finite stiffness; allowed: poisson below 0.5, or no column young",
+      given->path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scene)
+{
+  static const char *const of_sites[] = {"counts", "offset",        "jitter",          "cluster",  "fill",
+                                         "shape",  "density_ratio", "stiffness_ratio", "inclusion"};
+  MpmLayout               *l          = &scene->layout;
+  MpmGiven                *given      = l->given;
+
+  PetscFunctionBegin;
+  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(of_sites); i++)
+    PetscCall(MpmSettingsRefuseUnless(settings, of_sites[i], "layout",
+                                      "the particles are those of the file layout; allowed: without layout"));
+  if (!scene->scheme.basis->wide)
+    PetscCall(MpmSettingsRefuseUnless(settings, "ppc", "layout",
+                                      "the particles are those of the file layout; allowed: with basis gimp, where "
+                                      "1 / ppc is the width of a particle, or without layout"));
+  MpmCheckInput(!scene->scheme.space.finite,
+                "layout %s: its particles are at rest and have no stretch; allowed: without kinematics finite",
+                given->path);
+  PetscCall(CheckPoisson(scene));
+  for (PetscInt a = 0; a < l->dim; a++) {
+    PetscCall(PlaceAlong(scene, a));
+    l->row[a] = given->particles;
+  }
+  l->sites = l->particles = given->particles;
+  PetscCall(Weigh(scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a particle ---- */
+
+void MpmGivenPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], PetscReal xi[])
+{
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    const PetscReal x = layout->given->column[a][id];
+
+    cell[a] = (PetscInt)x;
+    xi[a]   = x - cell[a];
+    if (cell[a] < layout->grid[a].cells) continue;
+    cell[a] = layout->grid[a].ends[0] == MPM_PERIODIC ? 0 : layout->grid[a].cells - 1;
+    xi[a]   = layout->grid[a].ends[0] == MPM_PERIODIC ? 0 : nextafter(1, 0); /* the node at the right end */
+  }
+}
+
+void MpmGivenText(const MpmGiven *given, size_t room, char text[])
+{
+  (void)snprintf(text, room, "%s; %s; %s%s%s",
+                 given->has[0] ? "volumes of the file" : "volume of each: the domain's over the number of particles",
+                 given->has[1] ? "masses of the file" : "mass: density times volume",
+                 given->has[2] ? "young of the file" : "moduli of the options", given->unused[0] ? "; not used: " : "",
+                 given->unused);
+}
