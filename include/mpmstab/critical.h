@@ -1,6 +1,6 @@
 /* Critical: the largest stable Courant number, and the mode that limits it. */
 #pragma once
-#include <mpmstab/scene.h>
+#include <mpmstab/step_bound.h>
 #include <mpmstab/verdict.h>
 
 /*E
@@ -71,18 +71,21 @@ typedef struct {
    order       - the number of unknowns of the assembled operator
    nodal       - the number of unknowns of the nodes' own operator, of which the eigenvalues were taken; 0 where they are
                  of the assembled one
+   bounded, bounds - of an assembled operator whose case asks for bounds: they were looked for, and what they are
+   too_large   - the layout has more unknowns than eigenvalues are sought of: there are bounds, and courant is NaN
    evaluations - the number of times that growth was computed
    seconds     - the time that the search took
 S*/
 typedef struct {
   PetscReal      courant, stable_at, unstable_at, doubtful, beta[MPM_MAX_DIM], null_share, fading, moving;
   PetscReal      moving_diagonal, closed, closed_beta[MPM_MAX_DIM], bound, quiet, cured, rounding, seconds;
-  PetscBool      threshold, assembled, disputed, followed;
+  PetscBool      threshold, assembled, disputed, followed, bounded, too_large;
   PetscInt       order, nodal, phases;
   MpmWaveType    wave;
   PetscInt64     evaluations;
   MpmCellSymbols cell;
   MpmFinding     asked;
+  MpmStepBounds  bounds;
 
   const char           *no_theorem;
   const MpmFormulation *cure;
@@ -93,6 +96,7 @@ typedef struct {
    MpmCriticalCase - the case whose limit is sought: a scheme on a layout, with the drift of step. The Courant number of
    step matters only where growth at it is asked for besides. Growth per step up to 1 + tolerance counts as none.
    all_particles: an assembled operator is solved as it is, although the nodes' own may have its eigenvalues.
+   sweeps, chance: of the bounds of a layout that is not a lattice; chance 0: without them.
 S*/
 typedef struct {
   const MpmLayout *layout;
@@ -100,6 +104,8 @@ typedef struct {
   MpmStep          step;
   PetscReal        tolerance;
   PetscBool        all_particles;
+  PetscInt         sweeps;
+  PetscReal        chance;
 } MpmCriticalCase;
 
 /* Not collective. The case of a scene. */

@@ -339,6 +339,9 @@ typedef struct MpmWritten_ MpmWritten;
    mls_bound       - with apic and gradient mls no layout at rest grows up to k = 2 sqrt(D / chi) (docs/theory.md, section 4)
    leftmost        - with transfers that have leftmost too, particles at rest grow by real eigenvalues below -1 alone
                      (docs/theory.md, section 5)
+   step_bound      - w: no layout at rest, and no material, grows up to the Courant number w / sqrt(lambda), lambda the largest
+                     eigenvalue of M^-1 K on it with k = 1. Infinite: none grows at all. 0: that is not known with these
+                     numbers and this transfer; NULL: with none (docs/theory.md, section 4)
 
    Each of published, corrected, limit, wave and energy is optional (NULL; nenergy 0). Without it nothing is compared
    with a closed form or an exact solution, runs start from random data or an eigenmode, and their growth is that of the
@@ -369,6 +372,7 @@ typedef struct {
   PetscReal (*corrected)(const MpmCellSymbols *cell, PetscReal courant);
   PetscReal (*limit)(const MpmCellSymbols *cell);
   PetscReal (*quiet)(const MpmCellSymbols *cell);
+  PetscReal (*step_bound)(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer);
 } MpmFormulation;
 
 /* Not collective. All formulations, NULL-terminated, in the order of the slides. */

@@ -40,6 +40,7 @@ struct MpmSchemeNumbers_ {
    mls_bound     - with gradient mls, a formulation's mls_bound is proved for this transfer
    leftmost      - a formulation's leftmost is proved for this transfer: F is a function of W P between W P and 1, or P F with
                    its affine part is symmetric in the masses and between 0 and 1
+   step_bound    - a formulation's step_bound may hold for this transfer: F is between 0 and 1 in the masses
    quiet         - particles gain no more energy than the nodes, whatever the layout; with an affine part where D is the same
                    at all places (docs/theory.md, section 12)
    null_factor   - the number by which F multiplies the null space of P2G, which is particle data that no node feels.
@@ -50,7 +51,7 @@ struct MpmSchemeNumbers_ {
 S*/
 struct MpmTransfer_ {
   const char *name, *summary, *reference, *option;
-  PetscBool   affine, taylor, mls_bound, leftmost, quiet;
+  PetscBool   affine, taylor, mls_bound, leftmost, quiet, step_bound;
   const char *same_as;
   PetscErrorCode (*filter)(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node);
   PetscErrorCode (*sharpen)(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt node, PetscInt *sharp);

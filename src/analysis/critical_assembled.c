@@ -213,12 +213,38 @@ static PetscErrorCode CheckRounding(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The bounds of the layout, with a march that refuses a grid that no run could have. It is on one rank for few unknowns. */
+static PetscErrorCode FindBounds(const MpmCriticalCase *of, MpmCritical *c)
+{
+  MpmMarch *march;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMarchCreateRandom(c->too_large ? PETSC_COMM_WORLD : PETSC_COMM_SELF, of->layout, of->scheme, &of->step,
+                                 1, &march));
+  c->bounds  = (MpmStepBounds){.sweeps = of->sweeps, .chance = of->chance, .seed = of->layout->seed};
+  c->bounded = of->chance > 0 ? PETSC_TRUE : PETSC_FALSE;
+  if (c->bounded) c->bounds.why_not = MpmStepBoundWhyNot(of->layout, of->scheme, &of->step);
+  if (c->bounded && !c->bounds.why_not) PetscCall(MpmStepBoundsFind(march, &c->bounds));
+  PetscCall(MpmMarchDestroy(&march));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a bound says of the case's own Courant number where no eigenvalue is known. */
+static PetscErrorCode JudgeByBound(const MpmCriticalCase *of, MpmCritical *c)
+{
+  PetscFunctionBegin;
+  c->courant = NAN;
+  PetscCall(PetscStrncpy(c->asked.evidence, "no eigenvalues", sizeof c->asked.evidence));
+  if (!c->bounds.why_not && of->step.courant <= PetscMax(c->bounds.lone, c->bounds.particle))
+    PetscCall(MpmFindingDecide(&c->asked, "a bound by particles says that nothing grows here"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   const PetscInt64 order = of->scheme->table->nstate * of->layout->particles;
   PetscInt64       nodal = 0, unknowns;
   Probe            probe = {.of = of};
-  MpmMarch        *march;
   char             size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
@@ -227,14 +253,17 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCritical
   unknowns = nodal ? nodal : order;
   MpmLayoutSizeText(of->layout, sizeof size, size);
   c->assembled = PETSC_TRUE;
-  MpmCheckInput(unknowns <= MPM_DENSE_MANY,
+  c->too_large = unknowns > MPM_DENSE_MANY ? PETSC_TRUE : PETSC_FALSE;
+  MpmCheckInput(!c->too_large || (of->chance > 0 && !MpmStepBoundWhyNot(of->layout, of->scheme, &of->step)),
                 "%s (%s): the limit is sought among all eigenvalues of %" PetscInt64_FMT
                 " unknowns; allowed: at most %d, so fewer cells",
                 size, MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);
-  c->order = (PetscInt)order;
-  PetscCall(MpmMarchCreateRandom(PETSC_COMM_SELF, of->layout, of->scheme, &of->step, 1,
-                                 &march)); /* refuses a grid that no run could have */
-  PetscCall(MpmMarchDestroy(&march));
+  c->order = (PetscInt)PetscMin(order, PETSC_MAX_INT);
+  PetscCall(FindBounds(of, c));
+  if (c->too_large) {
+    PetscCall(JudgeByBound(of, c));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmProgressBegin("", &probe.progress));
   if (nodal) PetscCall(TryNodal(&probe, of->step.courant));
   c->nodal = probe.nodal ? (PetscInt)nodal : 0;

@@ -34,7 +34,7 @@ PetscReal MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme)
 
   if (MpmSpaceIsPrestressed(space) || !scheme->formulation->mls_bound || !scheme->transfer->mls_bound ||
       space->gradient != MPM_GRADIENT_MLS || layout->material.kind != MPM_MATERIAL_UNIFORM ||
-      MpmBasisIsAltered(scheme->basis))
+      MpmBasisIsAltered(scheme->basis) || (layout->given && (layout->given->has[1] || layout->given->has[2])))
     return 0;
   for (PetscInt a = 0; a < layout->dim; a++) {
     MpmCriticalSpread(scheme->basis, layout->half_width[a], spread);

@@ -21,9 +21,10 @@ static const MpmPass *PassOf(const MpmMarch *march, PetscInt number)
 /* Compiles the passes. Where particles share no coordinate, which jitter or a motion of their own makes so, for clouds too. */
 static PetscErrorCode Compile(MpmMarch *march)
 {
-  const PetscBool clouds =
-      march->layout->dim > 1 && (MpmLayoutIsScattered(march->layout) || march->particles->own) ? PETSC_TRUE : PETSC_FALSE;
-  PetscInt n = 0, size = 0;
+  const PetscBool clouds = march->layout->dim > 1 && (MpmLayoutIsScattered(march->layout) || march->particles->own)
+                               ? PETSC_TRUE
+                               : PETSC_FALSE;
+  PetscInt        n = 0, size = 0;
 
   PetscFunctionBegin;
   while (PassOf(march, n)) n++;

@@ -1,5 +1,6 @@
 /* Solves (M + a M K) y = M f on the grid of the march. */
 #include "march/implicit_solve.h"
+#include "march/slopes.h"
 #include "scheme/maps.h"
 #include <mpmstab/errors.h>
 
@@ -110,71 +111,6 @@ static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
 
 /* ---- the preconditioner's matrix ---- */
 
-/* The weights of a particle along a direction: phi (0) and its slope (1), the places of its nodes and each component's sign. */
-typedef struct {
-  PetscInt  place[MPM_MAX_REACH];
-  PetscReal weight[2][MPM_MAX_REACH], sign[MPM_MAX_DIM][MPM_MAX_REACH];
-} Along;
-
-static PetscBool IsFixed(const MpmDirection *direction, PetscInt node, MpmParity parity)
-{
-  return (node == 0 && (MpmEndImposes(direction->ends[0], parity) || direction->ends[0] == MPM_FIXED_REACTION)) ||
-                 (node == direction->nodes - 1 &&
-                  (MpmEndImposes(direction->ends[1], parity) || direction->ends[1] == MPM_FIXED_REACTION))
-             ? PETSC_TRUE
-             : PETSC_FALSE;
-}
-
-static void RowAlong(const MpmImplicitSolve *s, PetscInt a, PetscInt cell, PetscReal xi, Along *along)
-{
-  const MpmLayout    *layout = s->march->layout;
-  const MpmBasis     *basis  = s->march->scheme->basis;
-  const MpmGridAxis  *axis   = &s->march->grid->axis[a];
-  const MpmDirection *grid   = &layout->grid[a];
-  PetscInt            wall[2];
-
-  MpmDirectionWalls(grid, axis->first + cell, wall);
-  MpmMapRow(basis, MPM_G2P, xi, layout->half_width[a], wall, along->weight[0]);
-  MpmMapRow(basis, s->slope, xi, layout->half_width[a], wall, along->weight[1]);
-  for (PetscInt d = 0; d < MpmMapReach(basis); d++) {
-    const PetscInt node = cell - basis->reach_left + d;
-
-    along->place[d] = node * axis->stride;
-    for (PetscInt c = 0; c < layout->dim; c++) {
-      const MpmParity parity = s->k->parity[s->k->solved + c][a];
-
-      along->sign[c][d] = 1;
-      if (axis->periodic) continue;
-      along->place[d] = (MpmDirectionImage(grid, axis->first + node, parity, &along->sign[c][d]) - axis->first);
-      if (IsFixed(grid, along->place[d] + axis->first, parity)) along->sign[c][d] = 0;
-      along->place[d] *= axis->stride;
-    }
-  }
-}
-
-/* The slopes of all components at a particle's nodes, with their signs: slope[(node dim + c) dim + direction]. */
-static PetscInt NodesOf(const MpmImplicitSolve *s, const Along along[], PetscInt node[], PetscReal slope[])
-{
-  const PetscInt dim = s->march->layout->dim, reach = MpmMapReach(s->march->scheme->basis);
-  PetscInt       n = 1;
-
-  for (PetscInt a = 0; a < dim; a++) n *= reach;
-  for (PetscInt i = 0; i < n; i++) {
-    PetscReal *at = slope + i * dim * dim;
-
-    node[i] = s->march->grid->origin;
-    for (PetscInt c = 0; c < dim * dim; c++) at[c] = 1;
-    for (PetscInt a = 0, rest = i; a < dim; a++, rest /= reach) {
-      const PetscInt d = rest % reach;
-
-      node[i] += along[a].place[d];
-      for (PetscInt c = 0; c < dim; c++)
-        for (PetscInt b = 0; b < dim; b++) at[c * dim + b] *= along[a].sign[c][d] * along[a].weight[a == b][d];
-    }
-  }
-  return n;
-}
-
 /* The block of two nodes of a particle, times a number. */
 static void Block(const MpmImplicitSolve *s, PetscReal times, const PetscReal to[], const PetscReal from[],
                   PetscReal block[])
@@ -195,14 +131,19 @@ static void Block(const MpmImplicitSolve *s, PetscReal times, const PetscReal to
 static PetscErrorCode AddParticles(MpmImplicitSolve *s)
 {
   const MpmParticles *particles = s->march->particles;
-  const PetscInt      dim = s->march->layout->dim, reach = MpmMapReach(s->march->scheme->basis);
+  const PetscInt      dim = s->march->layout->dim, origin = s->march->grid->origin;
+  const MpmSlopes     slopes = {.layout = s->march->layout,
+                                .basis  = s->march->scheme->basis,
+                                .grid   = s->march->grid,
+                                .kind   = s->slope,
+                                .parity = s->k->parity + s->k->solved};
+  const PetscInt      most   = MpmSlopesMost(&slopes);
   const PetscReal    *volume, *stiffness;
-  PetscInt           *cell[MPM_MAX_DIM], *node, whole[MPM_MAX_DIM], most = 1;
-  PetscReal          *xi[MPM_MAX_DIM], *slope, part[MPM_MAX_DIM];
+  PetscInt           *cell[MPM_MAX_DIM], *node, whole[MPM_MAX_DIM];
+  PetscReal          *xi[MPM_MAX_DIM], *shape, *slope, part[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim; a++) most *= reach;
-  PetscCall(PetscMalloc2(most, &node, most * dim * dim, &slope));
+  PetscCall(PetscMalloc3(most, &node, most, &shape, most * dim * dim, &slope));
   PetscCall(MpmMarchGetProperty(s->march, MPM_VOLUME, &volume));
   PetscCall(MpmMarchGetProperty(s->march, MPM_STIFFNESS, &stiffness));
   for (PetscInt a = 0; a < dim; a++) {
@@ -212,18 +153,12 @@ static PetscErrorCode AddParticles(MpmImplicitSolve *s)
   }
   for (PetscInt p = 0; p < particles->count; p++) {
     const PetscReal times = s->a * (volume ? volume[p] : 1) * (stiffness && !s->snes ? stiffness[p] : 1);
-    PetscReal       block[MPM_MAX_DIM * MPM_MAX_DIM];
-    Along           along[MPM_MAX_DIM];
-    PetscInt        n;
+    PetscReal       block[MPM_MAX_DIM * MPM_MAX_DIM], at[MPM_MAX_DIM];
+    PetscInt        in[MPM_MAX_DIM], n;
 
-    for (PetscInt a = 0; a < dim; a++) {
-      PetscInt  in;
-      PetscReal at;
-
-      MpmPlaceBlock(1, &cell[a][p], &xi[a][p], whole[a], part[a], &in, &at);
-      RowAlong(s, a, in, at, &along[a]);
-    }
-    n = NodesOf(s, along, node, slope);
+    for (PetscInt a = 0; a < dim; a++) MpmPlaceBlock(1, &cell[a][p], &xi[a][p], whole[a], part[a], &in[a], &at[a]);
+    n = MpmSlopesAt(&slopes, PETSC_FALSE, in, at, node, shape, slope);
+    for (PetscInt i = 0; i < n; i++) node[i] += origin;
     if (s->snes) MpmImplicitTerm(s, p);
     for (PetscInt i = 0; i < n; i++)
       for (PetscInt j = 0; j < n; j++) {
@@ -238,7 +173,7 @@ static PetscErrorCode AddParticles(MpmImplicitSolve *s)
   }
   PetscCall(MpmMarchRestoreProperty(s->march, MPM_STIFFNESS, &stiffness));
   PetscCall(MpmMarchRestoreProperty(s->march, MPM_VOLUME, &volume));
-  PetscCall(PetscFree2(node, slope));
+  PetscCall(PetscFree3(node, shape, slope));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,6 +4,7 @@
 #include "scene/fields.h"
 #include "base/textfile.h"
 #include "report/report.h"
+#include "linalg/dense.h"
 #include <math.h>
 #include <string.h>
 
@@ -69,7 +70,10 @@ static PetscErrorCode Limit(json_t *result, const MpmScene *s, PetscReal toleran
       MpmSceneDrifts(s) ? "largest Courant number with growth within tolerance" : "critical Courant number";
 
   PetscFunctionBegin;
-  if (c->disputed)
+  if (c->too_large)
+    MpmPrint("%s: not sought, since there are too many unknowns to find all eigenvalues (at most %d)\n", name,
+             MPM_DENSE_MANY);
+  else if (c->disputed)
     MpmPrint("%s: undecided, the search finds %.10g, but the closed form says otherwise\n", name, c->stable_at);
   else if (isnan(c->courant))
     MpmPrint("%s: undecided, tolerance %.6g is less than the growth of up to %.1g per step that rounding makes here\n",
@@ -208,6 +212,8 @@ static void PrintAsked(const MpmScene *s, PetscReal tolerance, const MpmCritical
   MpmPrint("\nat Courant number %.6g: growth ", s->step.courant);
   if (isinf(c->asked.growth))
     MpmPrint("beyond the range of doubles");
+  else if (isnan(c->asked.growth))
+    MpmPrint("is not known");
   else
     MpmPrint("%.9g per step", c->asked.growth);
   if (isfinite(c->asked.growth) && !isnan(c->moving)) {
@@ -223,6 +229,7 @@ static void PrintAsked(const MpmScene *s, PetscReal tolerance, const MpmCritical
 
 static void PrintSearch(const MpmScene *s, const MpmCritical *c)
 {
+  if (c->too_large) return;
   if (c->assembled)
     MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns%s at %" PetscInt64_FMT " Courant numbers\n",
              c->nodal ? c->nodal : c->order, c->nodal ? ", the nodes' own," : "", c->evaluations);
@@ -235,6 +242,55 @@ static void PrintSearch(const MpmScene *s, const MpmCritical *c)
   else
     MpmPrint("searched: all phases, %" PetscInt64_FMT " amplification matrices of order %" PetscInt_FMT "\n",
              c->evaluations, c->order);
+}
+
+/* A bound, what it is, and the particle that decides, with its place in the unit of length. */
+static void Bound(json_t *bounds, const MpmScene *s, const char name[], PetscReal courant, const char text[],
+                  const MpmDecider *at)
+{
+  char      place[MPM_VECTOR_TEXT], key[32];
+  PetscReal x[MPM_MAX_DIM];
+
+  if (bounds) MpmResultPut(bounds, name, json_real(courant));
+  MpmPrint("    %-10s %-11.6g", name, courant);
+  if (MpmSceneIsPhysical(s)) MpmPrint(" dt %-11.6g", MpmSceneTimeStep(s, courant));
+  MpmPrint(" %s", text);
+  if (at) {
+    json_t *decides;
+
+    for (PetscInt a = 0; a < s->layout.dim; a++) x[a] = at->place[a] * s->cell_width;
+    (void)snprintf(key, sizeof key, "%s_decided_by", name);
+    decides = MpmResultIn(bounds, key);
+    MpmResultNumbers(decides, "place", s->layout.dim, x);
+    MpmResultSay(decides, "; particle %" PetscInt64_FMT "{id} at ", at->id);
+    MpmPrint("%s decides", MpmVectorText(s->layout.dim, x, 6, place));
+  }
+  MpmPrint("\n");
+}
+
+static void Bounds(json_t *result, const MpmScene *s, const MpmCritical *c)
+{
+  const MpmStepBounds *b = &c->bounds;
+  json_t              *bounds;
+  char                 text[128];
+
+  if (!c->bounded) return;
+  if (b->why_not) {
+    MpmPrint("  bounds       none of this layout: %s (docs/theory.md, section 4)\n", b->why_not);
+    return;
+  }
+  bounds = MpmResultIn(result, "bounds");
+  MpmPrint("  of this layout, with these particles at rest%s:\n",
+           c->too_large ? ", its limit is above" : ", the bracket of the limit");
+  Bound(bounds, s, "lone", b->lone, "proved: as if each were alone", &b->lone_at);
+  Bound(bounds, s, "particle", b->particle, "proved: masses split by slopes", &b->particle_at);
+  (void)snprintf(text, sizeof text, "proved: the same after %" PetscInt_FMT " sweeps", b->sweeps);
+  if (b->sweeps) Bound(bounds, s, "swept", b->swept, text, NULL);
+  (void)snprintf(text, sizeof text, "certified by %" PetscInt_FMT " products, but for a chance of %.3g", b->products,
+                 b->chance);
+  Bound(bounds, s, "lanczos", b->lanczos, text, NULL);
+  MpmResultKeep(bounds, "%g{chance}", b->chance);
+  if (!c->too_large && isfinite(c->courant)) Bound(NULL, s, "limit", c->courant, "all eigenvalues", NULL);
 }
 
 /* What JSON alone has of the bulk. Another neighbourhood may have the least limit. */
@@ -266,6 +322,7 @@ PetscErrorCode MpmCriticalReport(const MpmScene *s, const MpmRequest *request, c
     MpmPrint("\n");
     PetscCall(Limit(critical, s, request->tolerance, c));
     Bulk(critical, s->layout.dim, c);
+    Bounds(critical, s, c);
     PrintReason(s->layout.dim, request, c);
     if (MpmSceneHasStep(s)) PrintAsked(s, request->tolerance, c);
   }

@@ -78,6 +78,7 @@ extern const char *const MpmTangentNames[];
    steps             - of a run; it writes output_every and checkpoint_every so many steps, and at the last one
    end               - of a run that chooses its steps, the time at which it ends; 0: it takes so many steps. Another run ends
                        after its steps.
+   step_bound_chance, step_bound_sweeps - of the certificate, and beyond bound 'particle' (mpmstab/step_bound.h)
    tolerance         - growth per step above 1 + tolerance is unstable
    weights, source_term, ringing - what a run measures besides (see march/transfer_diagnostics.h)
    phases            - at which symbol and map take the symbol, in each direction
@@ -109,7 +110,8 @@ S*/
 typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
-  PetscReal       tolerance, voids;
+  PetscReal       tolerance, voids, step_bound_chance;
+  PetscInt        step_bound_sweeps;
   PetscBool       weights, source_term, ringing, measure, nodal, nodal_asked, survey, refine, damping, verbose;
   PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;

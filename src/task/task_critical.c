@@ -18,6 +18,8 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
   PetscFunctionBegin;
   expect.has[MPM_EXPECT_SPECTRUM] = PETSC_FALSE; /* it is about the waves on the scene's grid */
   of.all_particles                = !request->nodal;
+  of.sweeps                       = request->step_bound_sweeps;
+  of.chance                       = request->step_bound_chance;
   if (bulk) {
     PetscCall(MpmCriticalFind(&of, PETSC_FALSE, bulk));
     place = MpmNeighbourhoodOfCritical(bulk);

@@ -1,5 +1,6 @@
 /* Closed forms of two-by-two amplification matrices, for more than one formulation. */
 #include "scheme/formulation/closed_forms.h"
+#include <mpmstab/transfer.h>
 #include <math.h>
 
 const MpmEnergyTerm MpmMomentumEnergy[2] = {{MPM_ON_PARTICLES, 0, PETSC_FALSE}, {MPM_ON_PARTICLES, 1, PETSC_TRUE}};
@@ -23,4 +24,10 @@ PetscReal MpmStressAheadGrowth(const MpmCellSymbols *cell, PetscReal k)
 PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell)
 {
   return sqrt(2 * (1 + cell->filter) / (cell->alpha * cell->kappa));
+}
+
+PetscReal MpmStressAheadBound(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer)
+{
+  (void)numbers;
+  return transfer->step_bound ? 2 : 0;
 }

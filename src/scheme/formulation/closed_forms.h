@@ -18,6 +18,9 @@ PetscReal MpmQuadraticRadius(double complex trace, double complex det);
 PetscReal MpmStressAheadGrowth(const MpmCellSymbols *cell, PetscReal courant);
 PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell);
 
+/* Not collective. The step_bound of these schemes: alpha s <= 2 (1 + f) is least where alpha and f are 1. */
+PetscReal MpmStressAheadBound(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer);
+
 /* The energy of velocity and stress, the first two particle fields. */
 extern const MpmEnergyTerm MpmMomentumEnergy[2];
 
@@ -37,5 +40,5 @@ extern const MpmEnergyTerm MpmMomentumEnergy[2];
 #define STRESS_AHEAD                                                                                                   \
   .corrected_text = "tr = 1 + f - alpha s, det = f, s = k^2 kappa",                                                    \
   .limit_text = "alpha s <= 2 (1 + f), s = k^2 kappa", .corrected = MpmStressAheadGrowth, .limit = MpmStressAheadLimit,      \
-  .mls_bound = PETSC_TRUE, .leftmost = PETSC_TRUE
+  .mls_bound = PETSC_TRUE, .leftmost = PETSC_TRUE, .step_bound = MpmStressAheadBound
 /* clang-format on */

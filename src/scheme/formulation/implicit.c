@@ -98,6 +98,11 @@ static PetscReal Quiet(const MpmCellSymbols *cell)
   return cell->numbers->theta < 0.5 || cell->transfer->sharpen ? 0 : INFINITY;
 }
 
+static PetscReal StepBound(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer)
+{
+  return numbers->theta < 0.5 || transfer->sharpen ? 0 : INFINITY;
+}
+
 const MpmFormulation MpmImplicit = {
     .name    = "implicit",
     .summary = "momentum, the theta step on the frozen grid, a linear system of the nodes: no limit from theta 1/2 on",
@@ -118,4 +123,5 @@ const MpmFormulation MpmImplicit = {
                   "(theta (1 + f) - alpha (1 - 2 theta)) s / q <= 2 (1 + f)",
     .corrected  = Corrected,
     .limit      = Limit,
-    .quiet      = Quiet};
+    .quiet      = Quiet,
+    .step_bound = StepBound};

@@ -194,6 +194,13 @@ static PetscReal Limit(const MpmCellSymbols *cell)
   return bracket[1];
 }
 
+/* With flip on particles a step is R of a matrix with the eigenvalues of i k sqrt(A^(1/2) K A^(1/2)), A = P2G G2P at most 1. */
+static PetscReal StepBound(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer)
+{
+  return transfer->step_bound && !transfer->filter && !MpmRkIsOnNodes(numbers, transfer) ? methods[numbers->rk].edge
+                                                                                         : 0;
+}
+
 const MpmFormulation MpmRk = {
     .name            = "rk",
     .summary         = "momentum, an explicit Runge-Kutta step (rk) on the frozen grid: it cannot ring",
@@ -213,4 +220,5 @@ const MpmFormulation MpmRk = {
     .limit_text = "on particles k sqrt(alpha kappa) <= edge of R; on nodes Jury's conditions, by bisection",
     .corrected  = Corrected,
     .limit      = Limit,
-    .quiet      = Quiet};
+    .quiet      = Quiet,
+    .step_bound = StepBound};

@@ -8,6 +8,7 @@
    Source: Sulsky, Chen and Schreyer 1994; the name after Bardenhagen 2002.
 */
 #include "scheme/formulation/closed_forms.h"
+#include <mpmstab/transfer.h>
 #include <math.h>
 
 enum { V, S };     /* particles */
@@ -46,6 +47,13 @@ static PetscReal Limit(const MpmCellSymbols *cell)
   return sqrt(2 * (1 + cell->filter) / ((1 + cell->filter - cell->alpha) * cell->kappa));
 }
 
+/* s <= 2 (1 + f) / (1 + f - alpha) is least where alpha is 0. */
+static PetscReal StepBound(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer)
+{
+  (void)numbers;
+  return transfer->step_bound ? sqrt(2) : 0;
+}
+
 const MpmFormulation MpmUsl = {.name      = "usl",
                                .summary   = "momentum, update stress last: stress from the new nodal velocity",
                                .reference = "Sulsky, Chen and Schreyer 1994; Bardenhagen 2002",
@@ -57,4 +65,5 @@ const MpmFormulation MpmUsl = {.name      = "usl",
                                .limit          = Limit,
                                .mls_bound      = PETSC_TRUE,
                                .leftmost       = PETSC_TRUE,
+                               .step_bound     = StepBound,
                                .sums_chi       = PETSC_TRUE};

@@ -75,6 +75,12 @@ static PetscReal Limit(const MpmCellSymbols *cell)
   return sqrt(2 * (1 + f) / ((w * (1 + f) + (1 - 2 * w) * cell->alpha) * cell->kappa));
 }
 
+/* With f = 1 the limit is linear in alpha, and least at one of its ends: s <= 4, or s <= 2 / w. */
+static PetscReal StepBound(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer)
+{
+  return transfer->step_bound && !transfer->filter ? sqrt(2 / fmax(numbers->share, 0.5)) : 0;
+}
+
 const MpmFormulation MpmVerlet = {.name = "verlet",
                                   .summary =
                                       "momentum, part of the stress before the force and the rest (share) after it",
@@ -88,4 +94,5 @@ const MpmFormulation MpmVerlet = {.name = "verlet",
                                                     "s = k^2 kappa, w = share",
                                   .limit_text     = "s = k^2 kappa <= 2 (1 + f) / (w (1 + f) + (1 - 2 w) alpha)",
                                   .corrected      = Corrected,
-                                  .limit          = Limit};
+                                  .limit          = Limit,
+                                  .step_bound     = StepBound};

@@ -18,4 +18,5 @@ const MpmTransfer MpmApic = {.name = "apic",
                              .filter        = MpmTransferFromGrid,
                              .filter_symbol = MpmTransferFromGridSymbol,
                              .leftmost      = PETSC_TRUE,
+                             .step_bound    = PETSC_TRUE,
                              .null_factor   = MpmTransferForgets};

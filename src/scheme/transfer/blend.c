@@ -39,4 +39,5 @@ const MpmTransfer MpmBlend = {.name          = "blend",
                               .filter        = Filter,
                               .filter_symbol = FilterSymbol,
                               .leftmost      = PETSC_TRUE,
+                              .step_bound    = PETSC_TRUE,
                               .null_factor   = NullFactor};

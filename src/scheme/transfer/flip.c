@@ -20,4 +20,5 @@ const MpmTransfer MpmFlip = {.name          = "flip",
                              .reference     = "Brackbill and Ruppel 1986",
                              .filter_symbol = FilterSymbol,
                              .leftmost      = PETSC_TRUE,
+                             .step_bound    = PETSC_TRUE,
                              .null_factor   = NullFactor};

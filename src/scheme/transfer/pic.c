@@ -29,4 +29,5 @@ const MpmTransfer MpmPic = {.name          = "pic",
                             .filter        = MpmTransferFromGrid,
                             .filter_symbol = MpmTransferFromGridSymbol,
                             .leftmost      = PETSC_TRUE,
+                            .step_bound    = PETSC_TRUE,
                             .null_factor   = MpmTransferForgets};

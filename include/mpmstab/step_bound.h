@@ -1,0 +1,52 @@
+/* Bounds of the largest stable step of the particles as they stand. */
+#pragma once
+#include <mpmstab/march.h>
+
+#define MPM_STEP_BOUND_PRODUCTS 20
+
+/*S
+   MpmStepBounds - Courant numbers up to which no state of the particles at rest, where they are, grows. M^-1 K is the
+   operator of the nodes, K = sum_p V_p B_p^T C B_p with the moduli and volumes of now, M the lumped masses. lambda is its
+   largest eigenvalue with k = 1, and each bound is factor / sqrt(of a bound of lambda).
+
+   why_not  - why there is none; NULL: there is
+   factor   - the formulation's step_bound
+   lone     - as if each particle were alone: 0 where one has a slope at a node that it gives no mass to
+   particle - with the nodal masses split between particles as V_p abs(grad S_ip); swept: the best after further sweeps
+   lanczos  - by products with a random vector: it is above the limit with a probability of chance at most
+   estimate - by the largest Ritz value of the same products: it is above the limit
+   lone_at, particle_at - the particle that decides, and its place in cells
+   nodes    - the nodal unknowns
+   products - how many were taken
+   sweeps, chance, seed - what was asked for; seed: of the random vector
+
+   Source: docs/theory.md, section 4.
+S*/
+typedef struct {
+  PetscInt64 id;
+  PetscReal  place[MPM_MAX_DIM];
+} MpmDecider;
+
+typedef struct {
+  const char *why_not;
+  PetscReal   factor, lone, particle, swept, lanczos, estimate, chance;
+  MpmDecider  lone_at, particle_at;
+  PetscInt64  nodes, seed;
+  PetscInt    products, sweeps;
+} MpmStepBounds;
+
+/*
+   MpmStepBoundsFind - the bounds for a march's particles at their present places.
+
+   Collective on the march's ranks. The results do not depend on the ranks but for rounding.
+
+   Input Parameters:
++  march  - a march; its state is not changed
+-  bounds - with sweeps, chance and seed
+
+   Output Parameter: bounds - the rest of it
+*/
+PetscErrorCode MpmStepBoundsFind(MpmMarch *march, MpmStepBounds *bounds);
+
+/* Not collective. Why no bound is known for a scheme on a layout with a drift; NULL: one is. */
+const char *MpmStepBoundWhyNot(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step);

@@ -1,0 +1,157 @@
+#!/usr/bin/python3
+"""Checks limit and bounds of layouts from CSV files against dense linear algebra of their own: random layouts in one and two
+dimensions, with hats, quadratic and cubic splines, one to four particles a cell, voids, two materials and walls.
+
+check_step_bounds.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
+"""
+import math
+import subprocess
+import sys
+
+import numpy as np
+
+from checks import check, loaded
+
+LIMIT, BOUND = 1e-5, 1e-8
+
+
+# ---- an own program of the same numbers ----
+
+def spline(degree, r):
+    """A spline at distance r from its node, and its slope."""
+    a, sign = abs(r), np.sign(r)
+    if degree == 1:
+        return max(0, 1 - a), -sign * (a < 1)
+    if degree == 2:
+        if a < 0.5:
+            return 0.75 - a * a, -2 * r
+        return (1.5 - a) ** 2 / 2 * (a < 1.5), -sign * (1.5 - a) * (a < 1.5)
+    if a < 1:
+        return 2 / 3 - a * a + a ** 3 / 2, sign * (-2 * a + 1.5 * a * a)
+    return (2 - a) ** 3 / 6 * (a < 2), -sign * (2 - a) ** 2 / 2 * (a < 2)
+
+
+def along(degree, places, cells, walls):
+    """Weights and slopes of one direction, for fields that are odd and for those that are even beyond walls."""
+    nodes = cells + 1 if walls else cells
+    found = np.zeros((2, 2, len(places), nodes))  # odd or even, weight or slope
+    for p, x in enumerate(places):
+        for i in range(math.floor(x) - 2, math.floor(x) + 4):
+            pair = spline(degree, x - i)
+            if not walls:
+                image, sign = i % cells, 1
+            elif i < 0 or i > cells:
+                image, sign = (-i if i < 0 else 2 * cells - i), -1
+            else:
+                image, sign = i, (0 if i in (0, cells) else 1)
+            found[0, :, p, image] += sign * np.array(pair)
+            found[1, :, p, image] += pair
+    return found
+
+
+def product(tables, parity, kinds):
+    """Products over the directions, particles times nodes."""
+    out = tables[0][parity, kinds[0]]
+    for table, kind in zip(tables[1:], kinds[1:]):
+        out = np.einsum("pi,pj->pij", out, table[parity, kind]).reshape(len(out), -1)
+    return out
+
+
+def largest(matrix):
+    return np.linalg.eigvalsh(matrix)[-1]
+
+
+def reference(degree, x, cells, walls, volume, mass, young, nu):
+    """Limits of usl and musl with flip, and lambda of lone and particle: of c = rho = h = 1 where young is that of c = 1."""
+    dim = x.shape[1]
+    tables = [along(degree, x[:, a], cells[a], walls[a]) for a in range(dim)]
+    even = product(tables, 1, [0] * dim)
+    weight = product(tables, 0, [0] * dim)
+    slope = [product(tables, 0, [int(a == b) for b in range(dim)]) for a in range(dim)]
+    m = even.T @ mass
+    free = (m > 0) & (np.abs(weight).sum(0) + sum(np.abs(g).sum(0) for g in slope) > 0)
+    weight, even, m, slope = weight[:, free], even[:, free], m[free], [g[:, free] for g in slope]
+    lam, mu = (nu / (1 - nu), (1 - 2 * nu) / (2 * (1 - nu))) if dim == 2 else (0, 0.5)
+    C = np.array([[1.0]]) if dim == 1 else np.array([[lam + 2 * mu, lam, 0], [lam, lam + 2 * mu, 0], [0, 0, mu]])
+    root = np.linalg.cholesky(C + 0 * np.eye(len(C)))
+
+    def B(p, scale):  # engineering strains of particle p
+        g = [s[p] * scale for s in slope]
+        if dim == 1:
+            return g[0][None]
+        n, out = len(m), np.zeros((3, 2 * len(m)))
+        out[0, :n], out[1, n:], out[2, :n], out[2, n:] = g[0], g[1], g[1], g[0]
+        return out
+    rows = [root.T @ B(p, 1 / np.sqrt(m)) * math.sqrt(volume[p] * young[p]) for p in range(len(x))]
+    L = np.concatenate(rows)
+    A = np.kron(np.eye(dim), (weight / np.sqrt(m)).T @ (mass[:, None] * (weight / np.sqrt(m))))
+    usl = math.sqrt(2 / largest(L @ (np.eye(len(A)) - A / 2) @ L.T))
+    value, vector = np.linalg.eigh(A)
+    half = vector * np.sqrt(np.maximum(value, 0))
+    musl = math.sqrt(4 / largest(half.T @ L.T @ L @ half))
+    norm = np.sqrt(sum(g ** 2 for g in slope))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        alone = np.where(norm > 0, np.sqrt(volume[:, None] * young[:, None] / (mass[:, None] * even)), 0)
+        share = np.where(norm > 0, np.sqrt(young[:, None] * (volume @ norm) / (m * norm)), 0)
+    lone, particle = (max(largest(b @ b.T) for b in (root.T @ B(p, s[p]) for p in range(len(x))))
+                      for s in (alone, share))
+    return usl, musl, lone, particle, largest(L @ L.T)
+
+
+# ---- layouts ----
+
+def layout(rng, dim, ppc, voids):
+    """Random particles with volumes, in some of the cells."""
+    cells = (9,) if dim == 1 else (5, 4)
+    n = ppc * math.prod(cells)
+    x = rng.random((n, dim)) * cells
+    if voids:
+        keep = rng.random(cells) > 0.4
+        x = x[[bool(keep[tuple(place)]) for place in x.astype(int)]]
+    if not len(x):
+        x = rng.random((1, dim)) * cells
+    return cells, x, rng.uniform(0.5, 1.5, len(x)) / ppc
+
+
+def compare(rng, case, dim, degree, ppc, voids, two, walls):
+    cells, x, volume = layout(rng, dim, ppc, voids)
+    heavy = x[:, 0] > cells[0] / 2
+    mass = volume * np.where(heavy & two, 5, 1)
+    young = np.where(heavy & two, 20.0, 1.0)
+    ends = [walls] if dim == 1 else [False, walls]
+    nu = 0.25
+    modulus = 1 if dim == 1 else (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+    h, rho, c = 0.5, 3.0, 2.0
+    columns = [*(x * h).T, volume * h ** dim, mass * rho * h ** dim, young * rho * c * c / modulus]
+    header = "x,y"[:2 * dim - 1] + ",volume,mass,young"
+    if dim == 2:
+        columns.append(np.full(len(x), nu))
+        header += ",poisson"
+    np.savetxt("layout.csv", np.stack(columns, 1), delimiter=",", header=header, comments="", fmt="%.17g")
+    usl, musl, lone, particle, most = reference(degree, x, cells, ends, volume, mass, young, nu)
+    boundary = ",".join("fixed-fixed" if wall else "periodic" for wall in ends) if dim > 1 else (
+        "fixed" if walls else "periodic")
+    for formulation, limit, factor in (("usl", usl, 2), ("musl", musl, 4)):
+        words = (f"critical {formulation} -dim {dim} -basis {('linear', 'quadratic', 'cubic')[degree - 1]} "
+                 f"-cells {','.join(map(str, cells))} -cell_width {h} -density {rho} -sound_speed {c} "
+                 f"-boundary {boundary} -layout layout.csv -json out.json -step_bound_sweeps 3")
+        done = subprocess.run([sys.argv[2], *words.split()], capture_output=True, text=True, check=False)
+        check(done.returncode == 0, f"{case}, {words}: {done.stderr}")
+        found = loaded("out.json")["critical"]
+        bounds = found["bounds"]
+        for name, mine, its, tolerance in (
+                ("limit", limit, found["critical_courant"], LIMIT),
+                ("lone", math.sqrt(factor / lone), bounds["lone"], BOUND),
+                ("particle", math.sqrt(factor / particle), bounds["particle"], BOUND)):
+            check(math.isclose(mine, its, rel_tol=tolerance, abs_tol=1e-12), f"{case}, {words}: {name} {its}, not {mine}")
+        exact = math.sqrt(factor / most)
+        check(bounds["particle"] <= bounds["swept"] <= exact * (1 + 1e-9) and exact <= limit * (1 + 1e-9) and
+              bounds["lanczos"] <= exact * (1 + 1e-9), f"{case}, {words}: {bounds}, {exact}, {limit}")
+        check(bounds["lanczos"] > 0.8 * exact, f"{case}, {words}: the certificate is poor, {bounds}, {exact}")
+
+
+random = np.random.default_rng(7)
+for number in range(16):
+    for dimension in (1, 2):
+        compare(random, number, dimension, 1 + number % 3, 1 + number % 4, number % 5 > 2, number % 2 == 1,
+                number % 7 > 4)
