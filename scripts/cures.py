@@ -1,21 +1,20 @@
 #!/usr/bin/python3
 """Prints what cures ringing, from the schemes that grow least on, and what each cure costs.
 
-cures.py [--check FILE]
+cures.py [--check FILE [--all]]
 
 The table is that of docs/ringing-tables.md. It begins with musl with flip on hats, two particles a cell, at Courant number 1/2; each
 row changes what its options say. Its first columns have the largest growth - 1 per time h / c at four velocities of the
 particles, over all waves ('symbol -refine -mach'). The price is in the last two: the share of the amplitude that a wave
 of 16 cells keeps after 10 periods at rest ('symbol -damping'), and the largest stable Courant number at rest
-('critical'). --check FILE refuses a file whose rows have other numbers; it computes the two larger velocities and the
-price. The environment variable MPMSTAB names the program.
+('critical'). --check FILE refuses a file whose rows have other numbers; it computes the two larger velocities,
+or with --all each, and the price. The environment variable MPMSTAB names the program.
 """
 import math
 import os
-import sys
 
 import moving
-from program import Parser, end_in_one_line, launch, refuse, require_input, require_program, side_by_side
+from program import cells_of, end_in_one_line, launch, print_or_check, refuse, side_by_side
 
 CELLS, PERIODS = 16, 10
 SPEEDS = [mach for mach in moving.MACH if mach != (1, 1)]
@@ -73,12 +72,17 @@ def rows(speeds):
              f"{prices[cure][0]:.3g}", f"{prices[cure][1]:.4g}"] for cure in sorted(CURES, key=rank)]
 
 
-def check(path):
+def lines_of(found):
+    return ["| options | " + " | ".join(f"c/{mach[1]}" for mach in SPEEDS) + " | kept | limit |", "|---|" + "---|" * (len(SPEEDS) + 2),
+            *(f"| {' | '.join(cells)} |" for cells in found)]
+
+
+def check(path, lines, whole):
     """Refuses a page in which a row has other numbers, or which has another number of rows."""
-    with open(path, encoding="utf-8") as file:
-        found = [[cell.strip() for cell in line.strip("|\n").split("|")] for line in file if line.startswith(("| `-", "| none"))]
-    printed = {cells[0]: [*cells[1 + SPEEDS.index(FASTER[0]):]] for cells in found}
-    for name, *cells in rows(FASTER):
+    speeds = SPEEDS if whole else FASTER
+    found = [cells_of(line) for line in lines if line.startswith(("| `-", "| none"))]
+    printed = {cells[0]: cells[1 + SPEEDS.index(speeds[0]):] for cells in found}
+    for name, *cells in rows(speeds):
         if printed.get(name) != cells:
             refuse(f"{path}: the row {name} ends with {printed.get(name)}, not with {cells}")
     if len(found) != len(CURES):
@@ -86,20 +90,8 @@ def check(path):
 
 
 def main():
-    parser = Parser(__doc__)
-    parser.add_argument("--check", metavar="FILE", help="the file whose table is checked")
-    arguments = parser.parse_args()
-    require_program()
-    if arguments.check:
-        require_input(arguments.check, "a file with the table")
-        check(arguments.check)
-        return
-    print("| options | " + " | ".join(f"c/{mach[1]}" for mach in SPEEDS) + " | kept | limit |")
-    print("|---|" + "---|" * (len(SPEEDS) + 2))
-    for cells in rows(SPEEDS):
-        print(f"| {' | '.join(cells)} |")
+    print_or_check(__doc__, lambda: rows(SPEEDS), lines_of, check)
 
 
 if __name__ == "__main__":
     end_in_one_line(main)
-    sys.exit(0)

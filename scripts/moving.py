@@ -1,19 +1,17 @@
 #!/usr/bin/python3
 """Prints how fast the schemes that codes run grow when particles move, over their velocity U0 and the Courant number k.
 
-moving.py [-o NAME] [--check FILE]
+moving.py [-o NAME] [--check FILE [--all]]
 
 The tables are those of docs/ringing-tables.md (eight minutes). Each number is the largest growth over all waves: the phases are
 refined until it stops moving ('mpmstab symbol -refine'). With -o NAME the script also draws NAME.png and NAME.svg.
---check FILE computes some forty of the numbers, and refuses a file whose tables have others.
+--check FILE computes some forty of the numbers, or with --all all, and refuses a file whose tables have others.
 The environment variable MPMSTAB names the program (by default build/mpmstab).
 """
 import math
 import os
-import sys
 
-from program import (Parser, end_in_one_line, launch, refuse, require_input, require_outputs, require_program,
-                     side_by_side)
+from program import end_in_one_line, launch, print_or_check, refuse, side_by_side
 
 BASES = ("linear", "gimp", "quadratic", "cubic")
 SCHEMES = [*((formulation, transfer, basis) for formulation in ("usl", "musl", "usf")
@@ -27,6 +25,7 @@ CHECKED = [*((scheme, (1, 4), (1, 2)) for scheme in SCHEMES[::3]),
            *((scheme, (1, 10), (1, 2)) for scheme in SMALLER),
            *((("musl", "flip", "linear"), mach, (1, 2)) for mach in MACH),
            *((("usl", "flip", "gimp"), (1, 10), courant) for courant in COURANT[1:])]
+ALL = [(scheme, mach, courant) for courant in COURANT for mach in MACH for scheme in (SCHEMES if courant == COURANT[0] else SMALLER)]
 NONE, ROUNDING = 1e-8, 1e-7  # growth - 1 counts as none below this; the second where rounding hides the first
 
 
@@ -90,11 +89,9 @@ def compute(cases):
         return dict(zip(cases, workers.map(growth_of, cases)))
 
 
-def check(path):
-    """Refuses a file that lacks one of the numbers in their places."""
-    growth = compute(CHECKED)
-    with open(path, encoding="utf-8") as file:
-        printed = file.read().split("\n")
+def check(path, printed, whole):
+    """Refuses a page that lacks one of the numbers in their places."""
+    growth = compute(ALL if whole else CHECKED)
     expected = tables_of(growth)
     heads = [i for i, line in enumerate(printed) if line == expected[0]]
     if len(heads) != 1:
@@ -107,27 +104,14 @@ def check(path):
                 refuse(f"{path}: '{wrong}' where the program finds '{line}' (? is not compared)")
 
 
+def draw(growth):
+    from picture_moving import draw_moving
+    return draw_moving(growth, SMALLER, MACH, COURANT)
+
+
 def main():
-    parser = Parser(__doc__)
-    parser.add_argument("-o", "--output", metavar="NAME", help="the pictures that are written")
-    parser.add_argument("--check", metavar="FILE", help="the file whose tables are checked")
-    args = parser.parse_args()
-    require_program()
-    if args.check:
-        require_input(args.check, "a file with the tables")
-        check(args.check)
-        return
-    if args.output:
-        from picture_moving import draw_moving
-        from picture_style import names_of, save
-        require_outputs(names_of(args.output))
-    growth = compute([(scheme, mach, courant) for courant in COURANT for mach in MACH
-                      for scheme in (SCHEMES if courant == COURANT[0] else SMALLER)])
-    print("\n".join(tables_of(growth)))
-    if args.output:
-        save(draw_moving(growth, SMALLER, MACH, COURANT), args.output)
+    print_or_check(__doc__, lambda: compute(ALL), tables_of, check, draw)
 
 
 if __name__ == "__main__":
     end_in_one_line(main)
-    sys.exit(0)

@@ -126,6 +126,40 @@ def require_outputs(outputs, inputs=()):
         refuse(fault)
 
 
+def print_or_check(description, compute, lines_of, check, draw=None):
+    """The main of a script that prints tables of a page, draws them with -o NAME, and compares a page with --check FILE.
+
+    compute() returns what lines_of and draw take. check(path, lines, whole) refuses the lines of a page; without --all it
+    computes a part of the tables.
+    """
+    parser = Parser(description)
+    parser.add_argument("--check", metavar="FILE", help="the page whose tables are checked")
+    parser.add_argument("--all", action="store_true", help="check all of its numbers")
+    if draw:
+        parser.add_argument("-o", "--output", metavar="NAME", help="the pictures that are written")
+    parser.set_defaults(output=None)
+    arguments = parser.parse_args()
+    require_program()
+    if arguments.check:
+        require_input(arguments.check, "a page with the tables")
+        with open(arguments.check, encoding="utf-8") as file:
+            check(arguments.check, file.read().split("\n"), arguments.all)
+        return
+    if arguments.output:
+        from picture_style import names_of, save
+        require_outputs(names_of(arguments.output))
+    found = compute()
+    for line in lines_of(found):
+        print(line, flush=True)
+    if arguments.output:
+        save(draw(found), arguments.output)
+
+
+def cells_of(line):
+    """Returns the cells of a row of a table in Markdown."""
+    return [cell.strip() for cell in line.strip("|\n").split("|")]
+
+
 def processor():
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as file:

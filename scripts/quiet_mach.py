@@ -1,19 +1,18 @@
 #!/usr/bin/python3
 """Prints and draws the largest Courant number without growth over the Mach number of the particles, for five steps.
 
-quiet_mach.py [-o NAME] [--check FILE]
+quiet_mach.py [-o NAME] [--check FILE [--all]]
 
 A number is the least over lattices of 1 to 4 particles a cell. In each of these it is the largest k up to which nothing grows
 by more than 1e-6 a step, of the k that 'critical -mach' looks at. A moving lattice meets all offsets within a cell, so that its
 own one hardly matters. 'per cost' is k over what a step costs where particles move, beside usl (docs/dev/speed.md). The
 tables are those of docs/ringing.md (ten minutes). With -o NAME the script also draws NAME.png and NAME.svg. --check FILE
-computes the column of Mach 1/10, and refuses a file that has other numbers there. The environment variable MPMSTAB names
+computes the column of Mach 1/10, or with --all all of them, and refuses a file that has other numbers. The environment variable MPMSTAB names
 the program.
 """
 import os
-import sys
 
-from program import Parser, end_in_one_line, launch, refuse, require_input, require_outputs, require_program, side_by_side
+from program import cells_of, end_in_one_line, launch, print_or_check, refuse, side_by_side
 
 STEPS = {"usl": "-formulation usl", "musl": "-formulation musl", "verlet": "-formulation verlet",
          "rk4": "-formulation rk -rk rk4", "kg5": "-formulation rk -rk kg5"}
@@ -58,40 +57,29 @@ def rows(least, machs):
             yield [f"{kind}, {step}", *(cell(least[kind, step, mach][0]) for mach in machs)]
 
 
-def check(path):
-    """Refuses a page in which the column of a Mach number has other numbers."""
-    with open(path, encoding="utf-8") as file:
-        printed = {cells[0]: cells[1:] for cells in ([c.strip() for c in line.strip("|\n").split("|")] for line in file)
-                   if len(cells) == len(MACH) + 1}
-    for name, *cells in rows(compute([CHECKED]), [CHECKED]):
-        shown = printed.get(name, [""] * len(MACH))[MACH.index(CHECKED)]
-        if shown != cells[0]:
-            refuse(f"{path}: the row {name} has '{shown}' at Mach {text_of(CHECKED)}, not '{cells[0]}'")
+def lines_of(least):
+    return [f"| Mach number | {' | '.join(map(text_of, MACH))} |", "|---|" + "---|" * len(MACH),
+            *(f"| {' | '.join(cells)} |" for cells in rows(least, MACH))]
+
+
+def check(path, lines, whole):
+    """Refuses a page in which a column has other numbers: that of one Mach number, or each."""
+    machs = MACH if whole else [CHECKED]
+    printed = {cells[0]: cells[1:] for cells in map(cells_of, lines) if len(cells) == len(MACH) + 1}
+    for name, *cells in rows(compute(machs), machs):
+        shown = [printed.get(name, [""] * len(MACH))[MACH.index(mach)] for mach in machs]
+        if shown != cells:
+            refuse(f"{path}: the row {name} has {shown} at Mach {', '.join(map(text_of, machs))}, not {cells}")
+
+
+def draw(least):
+    from picture_quiet import draw_quiet
+    return draw_quiet(least, KINDS, COST, MACH)
 
 
 def main():
-    parser = Parser(__doc__)
-    parser.add_argument("-o", "--output", metavar="NAME", help="the pictures that are written")
-    parser.add_argument("--check", metavar="FILE", help="the file whose table is checked")
-    args = parser.parse_args()
-    require_program()
-    if args.check:
-        require_input(args.check, "a file with the table")
-        check(args.check)
-        return
-    if args.output:
-        from picture_quiet import draw_quiet
-        from picture_style import names_of, save
-        require_outputs(names_of(args.output))
-    least = compute(MACH)
-    print("| Mach number | " + " | ".join(map(text_of, MACH)) + " |")
-    print("|---|" + "---|" * len(MACH))
-    for cells in rows(least, MACH):
-        print(f"| {' | '.join(cells)} |")
-    if args.output:
-        save(draw_quiet(least, KINDS, COST, MACH), args.output)
+    print_or_check(__doc__, lambda: compute(MACH), lines_of, check, draw)
 
 
 if __name__ == "__main__":
     end_in_one_line(main)
-    sys.exit(0)
