@@ -4,7 +4,6 @@ import os
 import re
 
 import precision_dots
-import precision_energy
 from picture_style import save
 from precision_study import SCENES, SCHEMES, TRANSFERS, Runs, courants_of, point_of, rows_of, standing, USUAL
 from program import ROOT, refuse, say, write_whole
@@ -66,6 +65,5 @@ def make(folder, names):
         write_whole(os.path.join(folder, f"{name}.txt"), precision_dots.table(scene, tables))
         page += precision_dots.summary_rows(scene, tables)
         say(f"{name}: done")
-    save(precision_energy.draw(), os.path.join(folder, "energy"))
-    page += ["", *precision_energy.tables(), "", "```", HEAD, *error_lines(runs), "```"]
+    page += ["", "```", HEAD, *error_lines(runs), "```"]
     write_whole(os.path.join(folder, "page.md"), "\n".join(page) + "\n")
