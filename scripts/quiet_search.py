@@ -3,7 +3,7 @@
 
 quiet_search.py FORMULATION [--scenes N] [--seed N] [--dim 1|2] [--from DRIFT] [--to DRIFT] [--validate N] [--worst N]
                 [--transfer NAME] [--basis NAME] [--share LEAST]
-quiet_search.py --table | --check FILE
+quiet_search.py --table | --check FILE [--all]
 
 FORMULATION is usl, musl, verlet, rk4 or kg5. A scene is a periodic box of 4 to 10 cells in one dimension or of 4 x 4 in two,
 with flip or apic, gradients of the basis or mls, hats, quadratic or cubic splines, 1 to 4 particles a cell (or some cells
@@ -358,7 +358,41 @@ def tell(formulation, batches, most):
         print(f"{growth:.2e} {found - 1:.2e} {verdict} " + " ".join(f"-{name} {value}" for name, value in options.items()))
 
 
-# ---- the table of transfers ----
+# ---- the tables of the page ----
+
+# What the page says, in which {share}, {count}, {largest} and {drift} are computed: formulation, dimension, number of scenes, and the
+# arguments of search() that differ.
+STUDIES = {
+    **{f"| {step}, 1-D | {{share}} of 8,000{{largest}} |": (step, 1, 8000, {}) for step in ("usl", "musl", "rk4", "kg5")},
+    **{f"| {step}, 2-D | {{share}} of 800{{largest}} |": (step, 2, 800, {}) for step in ("usl", "musl", "rk4", "kg5")},
+    "| verlet, 1-D | {share} of 80,000{largest} |": ("verlet", 1, 80000, {}),
+    "| verlet, 2-D | {share} of 16,000{largest} |": ("verlet", 2, 16000, {"seed": 2}),
+    "Of 4,000 more scenes of verlet in two dimensions {count} grew{largest}.": ("verlet", 2, 4000, {}),
+    "of 20,000 more with drifts from 0.15 to 0.3 {count} did": ("verlet", 1, 20000, {"seed": 3, "drifts": (0.15, 0.3)}),
+    "of 8,000 scenes on hats with k from 0.8 of the limit and drifts from 1/16 to 1/8 {count} grew{largest}, from a drift of {drift} on":
+        ("verlet", 1, 8000, {"drifts": (1 / 16, 1 / 8), "only": "flip", "basis": "linear", "least": 0.8}),
+    "rk4 grows in {share} of 2,000 scenes": ("rk4", 1, 2000, {"only": "hats"}),
+    "verlet in {share}": ("verlet", 1, 2000, {"only": "hats"}),
+    "aflip grows in {share} of 480 scenes": ("rk4", 1, 480, {"only": "aflip", "drifts": (0.05, 0.5)}),
+    "tpic in {count} of 200 on quadratic splines": ("rk4", 1, 200, {"only": "tpic", "basis": "quadratic", "drifts": (0.05, 0.5)}),
+}
+
+
+def words_of(template):
+    """Returns what the page says of a study."""
+    formulation, dim, scenes, more = STUDIES[template]
+    found, least = [], math.inf
+    for family, _, _, growth in search(formulation, scenes, **{"seed": 1, "dims": [dim], "drifts": (0.01, 0.5), **more}):
+        found.append(growth)
+        if np.any(growth > 1 + GROWS):
+            least = min(least, math.hypot(*family["moves"]) / family["period"])
+    low, high = interval([float(np.mean(growth > 1 + GROWS)) for growth in found])
+    growth = np.concatenate(found)
+    count = int(np.sum(growth > 1 + GROWS))
+    share = f"{100 * count / scenes:.2g}% ({100 * low:.2g} to {100 * high:.2g})" if count else f"none (to {100 * high:.2g}%)"
+    largest = f", by at most {np.max(growth) - 1:.1e}".replace("e-0", "e-") if count else ""
+    return template.format(share=share, count=count, largest=largest, drift=f"{least:.3g}")
+
 
 ROWS = [(step, transfer) for step in ("usl", "musl", "verlet") for transfer in ("flip", "blend", "xpic", "pic", "apic", "mls")]
 TABLE_SCENES = 1600
@@ -382,13 +416,19 @@ def row_of(step, transfer):
     return f"{step}, {NAMES.get(transfer, transfer)}", share_of(found[True]), share_of(found[False])
 
 
-def check_table(path, some):
-    """Refuses a page in which one of these rows has other numbers."""
+def check(path, whole):
+    """Compares scenes with mpmstab, and refuses a page that has other numbers."""
+    for formulation in EDGE:
+        for dim, transfer in ((1, None), (2, None), *((1, transfer) for transfer in OWN[2:])):
+            validate(formulation, 4, 1, [dim], (0.2, 0.5), transfer)
     with open(path, encoding="utf-8") as file:
-        printed = [[cell.strip() for cell in line.strip("|\n").split("|")] for line in file if line.startswith("|")]
-    for step, transfer in some:
-        if list(row_of(step, transfer)) not in printed:
-            refuse(f"{path}: no row {' | '.join(row_of(step, transfer))}")
+        text = " ".join(file.read().split())
+    for template in STUDIES if whole else [*STUDIES][:1]:
+        if words_of(template) not in text:
+            refuse(f"{path}: it does not say '{words_of(template)}'")
+    for row in ROWS if whole else (("usl", "flip"), ("verlet", "flip")):
+        if f"| {' | '.join(row_of(*row))} |" not in text:
+            refuse(f"{path}: no row {' | '.join(row_of(*row))}")
 
 
 def main():
@@ -406,20 +446,20 @@ def main():
     parser.add_argument("--validate", type=int, metavar="N")
     parser.add_argument("--table", action="store_true")
     parser.add_argument("--check", metavar="FILE")
+    parser.add_argument("--all", action="store_true")
     args = parser.parse_args()
     require_program()
     dims = [args.dim] if args.dim else [1, 1, 1, 1, 2]
     drifts = (args.least, args.most)
     if args.table:
+        for template in STUDIES:
+            print(words_of(template), flush=True)
         for row in ROWS:
             print(f"| {' | '.join(row_of(*row))} |", flush=True)
         return
     if args.check:
         require_input(args.check, "a file with the tables")
-        for formulation in EDGE:
-            for dim, transfer in ((1, None), (2, None), *((1, transfer) for transfer in OWN[2:])):
-                validate(formulation, 4, 1, [dim], (0.2, 0.5), transfer)
-        check_table(args.check, (("usl", "flip"), ("verlet", "flip")))
+        check(args.check, args.all)
         return
     if args.validate:
         validate(args.formulation, args.validate, args.seed, dims, drifts, args.transfer)
