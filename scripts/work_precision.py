@@ -5,7 +5,8 @@ work_precision.py SCENE.yaml [--cells 32,64,128] [--courant 0.25,0.5] [--ppc 1,2
                   [--transfer flip,pic] [--basis linear,quadratic] [--ranks 1,2] [--repeats 6] [--most 30]
                   [--error 1e-2,1e-3] [--time T] [-o NAME]
 work_precision.py --page [SCENES] [-o FOLDER]    all that docs/work-precision.md shows, or some of its scenes
-work_precision.py --check                        computes some numbers of that page again, and compares
+work_precision.py --check [SCENES]               compares that page: its errors, and its times of scenes (all: of each)
+work_precision.py --costs ROUNDS                 measures what a step of each scheme costs, for these times
 
 Without --courant each scheme runs at five Courant numbers up to 0.95 of its limit for particles at rest, since schemes
 have different limits. Particles that move keep their velocity: the drift is in proportion to the Courant number.
@@ -37,9 +38,11 @@ import sys
 import tempfile
 import time
 
+import precision_costs
 import precision_page
 import precision_picture
 from picture_style import save
+from precision_study import SCHEMES, TRANSFERS
 from precision_table import (PARAMETERS, SCHEME, answer, csv_text, key, make_rows, outstanding, remarks, table,
                              uncertain_rows)
 
@@ -60,8 +63,9 @@ def ranged(kind):
 def parse():
     parser = Parser(__doc__)
     parser.add_argument("scene", metavar="SCENE.yaml", nargs="?")
-    parser.add_argument("--page", nargs="?", const=",".join(precision_page.SCENES), type=ranged(str))
-    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--page", nargs="?", const=",".join(precision_page.SCENES_SHOWN), type=ranged(str))
+    parser.add_argument("--check", nargs="?", const="none", type=ranged(str))
+    parser.add_argument("--costs", type=int)
     for name, kind in KINDS.items():
         parser.add_argument(f"--{name}", type=ranged(kind))
     parser.add_argument("--repeats", type=int, default=6)
@@ -70,11 +74,12 @@ def parse():
     parser.add_argument("--time", type=float)
     parser.add_argument("-o", "--output", metavar="NAME", default="work-precision")
     arguments = parser.parse_args()
-    for name in arguments.page or []:
+    arguments.check = {"none": [], "all": precision_page.SCENES_SHOWN}.get(",".join(arguments.check or []), arguments.check)
+    for name in [*(arguments.page or []), *(arguments.check or [])]:
         if name not in precision_page.SCENES:
-            refuse(f"--page {name}: allowed: {', '.join(precision_page.SCENES)}")
-    if not (arguments.scene or arguments.page or arguments.check):
-        refuse("no scene; allowed: SCENE.yaml, --page or --check")
+            refuse(f"{name} is no scene of the page; allowed: {', '.join(precision_page.SCENES)}")
+    if not (arguments.scene or arguments.page or arguments.costs or arguments.check is not None):
+        refuse("no scene; allowed: SCENE.yaml, --page, --check or --costs")
     for name in ("cells", "courant", "ppc", "ranks", "error"):
         if any(not 0 < value < float("inf") for value in getattr(arguments, name) or []):
             refuse(f"--{name} {','.join(map(str, getattr(arguments, name)))}: allowed: numbers above 0")
@@ -311,9 +316,12 @@ def report(arguments, rows, base, end):
 def main():
     arguments = parse()
     require_program()
-    if arguments.check:
+    if arguments.check is not None:
         with tempfile.TemporaryDirectory() as folder:
-            precision_page.check(folder)
+            precision_page.check(folder, arguments.check)
+        return
+    if arguments.costs:
+        precision_costs.measure(SCHEMES, TRANSFERS, arguments.costs)
         return
     if arguments.page:
         precision_page.make(arguments.output, arguments.page)

@@ -8,6 +8,7 @@ import picture_style as style
 from precision_study import SCHEMES, TRANSFERS
 
 LOOK = dict(zip(TRANSFERS, zip(("#0072B2", "#E69F00", "#009E73", "#CC79A7"), "osD^")))  # colour-blind people tell these apart
+REFERENCE = "usl"
 NEVER = 8.0   # times the slowest: where schemes stand that do not reach the error
 BESIDE = 0.16  # of a row: the transfers of a scheme stand beside one another
 
@@ -55,47 +56,51 @@ def duration(value):
 
 def draw(scene, tables):
     """Returns the picture of a scene; tables has what standing() found for each end time."""
-    figure = Figure(figsize=(4.6, 1 + 2.35 * len(tables)), constrained_layout=True)
+    figure = Figure(figsize=(4.6, 1.6 + 2.35 * len(tables)), constrained_layout=True)
     panels = figure.subplots(len(tables), 1, squeeze=False)[:, 0]
     for axes, (periods, found) in zip(panels, tables.items()):
         draw_panel(axes, found, periods, scene.errors[periods])
-    panels[-1].set_xlabel("run time of one processor (left is better)")
-    figure.suptitle(f"{scene.title}\nquadratic splines, ppc 2, each at its best step", fontsize=11)
+    panels[-1].set_xlabel("run time on one core: steps times the cost of a step\n(left is better)")
+    figure.suptitle(f"{scene.title}: time for an error\na standing wave, quadratic splines, 2 particles a cell\n"
+                    "and direction; each scheme at its best step", fontsize=10.5)
     for name, (colour, marker) in LOOK.items():
         panels[-1].plot([], [], marker=marker, color=colour, linestyle="none", label=name)
     panels[-1].plot([], [], color="0.4", linewidth=3, alpha=0.45, label="least to most\nover layouts")
-    panels[-1].plot([], [], color="0.4", linewidth=0.8, marker="|", markersize=6, label="at half the limit")
-    panels[-1].legend(loc="upper center", bbox_to_anchor=(0.45, -0.3), ncol=3, fontsize=8, columnspacing=0.8)
+    panels[-1].plot([], [], color="0.4", linewidth=0.8, marker="|", markersize=6, label="a usual step: half\nthe limit; implicit k = 5")
+    panels[-1].legend(loc="upper center", bbox_to_anchor=(0.45, -0.36), ncol=3, fontsize=8, columnspacing=0.8)
     return figure
 
 
-def cell(one, cheapest):
-    """A scheme's best transfer with its time over that of the cheapest, or the smallest error that it has.
+def cell(one, unit, least):
+    """A scheme's best transfer, with its time at the best step and at a usual one over the best time of usl, which is unit.
 
-    A star says that one of the layouts does not reach the error at that step.
+    usl itself has seconds, and so has each scheme where usl does not reach the error. The cheapest is bold. A scheme that does not
+    reach the error has the smallest that it reaches. A star: one of the layouts does not reach the error at the best step.
     """
+    if one["seconds"] == math.inf:
+        return "grows" if one["rings"] else (f"({per_cent(one['smallest'])})" if one["smallest"] < 10 else "(lost)")
+    absolute = unit == math.inf or one["scheme"] == REFERENCE
+    best, usual = ("-" if time == math.inf else duration(time) if absolute else f"{time / unit:.2g}"
+                   for time in (one["seconds"], one["usual"]))
     star = "\\*" if one["high"] == math.inf else ""
-    if one["seconds"] < math.inf:
-        return f"{one['seconds'] / cheapest:.2g}{star} {one['transfer']}"
-    return "rings" if one["rings"] else (f"({per_cent(one['smallest'])})" if one["smallest"] < 10 else "(lost)")
+    bold = "**" if one["seconds"] == least else ""
+    return f"{bold}{best}{star}{bold} / {usual} {one['transfer']}"
 
 
 def summary_rows(scene, tables):
     """Returns the lines of the page's table for a scene: a column for each scheme, at its best step and transfer."""
     lines = []
     for periods, found in tables.items():
-        first = found[0]
         best = {}
         for one in found:
             best.setdefault(one["scheme"], one)
-        cells = [cell(best[name], first["seconds"]) if name in best else "-" for name in SCHEMES]
-        head = duration(first["seconds"]) if first["seconds"] < math.inf else "none"
-        lines.append(f"| {scene.title} | {periods:g} | {per_cent(scene.errors[periods])} | {head} | {' | '.join(cells)} |")
+        cells = [cell(best[name], best[REFERENCE]["seconds"], found[0]["seconds"]) if name in best else "-" for name in SCHEMES]
+        lines.append(f"| {scene.title} | {periods:g} | {per_cent(scene.errors[periods])} | {' | '.join(cells)} |")
     return lines
 
 
 def summary_head():
-    return [f"| scene | periods | error | least | {' | '.join(SCHEMES)} |", "|---" * (4 + len(SCHEMES)) + "|"]
+    return [f"| scene | periods | error | {' | '.join(SCHEMES)} |", "|---" * (3 + len(SCHEMES)) + "|"]
 
 
 def table(scene, tables):
@@ -103,10 +108,10 @@ def table(scene, tables):
     lines = [scene.title]
     for periods, found in tables.items():
         lines += ["", f"error {per_cent(scene.errors[periods])} after {periods:g} periods",
-                  f"{'scheme':<8}{'transfer':<10}{'k':>6}{'seconds':>10}{'least':>10}{'most':>10}{'usual k':>10}{'ratio':>8}"]
+                  f"{'scheme':<9}{'transfer':<10}{'k':>6}{'seconds':>10}{'least':>10}{'most':>10}{'usual k':>10}{'ratio':>8}"]
         for one in found:
             times = "".join(f"{one[name]:>10.3g}" for name in ("seconds", "low", "high", "usual"))
             ratio = one["seconds"] / found[0]["seconds"] if one["seconds"] < math.inf else math.inf
             reach = "" if ratio < math.inf else "  rings" if one["rings"] else f"  smallest error {one['smallest']:.2g}"
-            lines.append(f"{one['scheme']:<8}{one['transfer']:<10}{one['courant']:>6g}{times}{ratio:>8.3g}{reach}")
+            lines.append(f"{one['scheme']:<9}{one['transfer']:<10}{one['courant']:>6g}{times}{ratio:>8.3g}{reach}")
     return "\n".join(lines) + "\n"

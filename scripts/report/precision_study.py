@@ -1,22 +1,23 @@
 """The study of docs/work-precision.md: its schemes and scenes, its runs, and the time that a scheme takes for an error.
 
 A scheme is a line of SCHEMES, a transfer one of TRANSFERS, a scene one of SCENES. Each scheme runs with each transfer at
-three parts of its limit at rest, on several grids, to generic end times, in several layouts (offsets of the lattice, or
-seeds of the disorder). Runs are kept in FOLDER/runs.jsonl as soon as they are done.
+two parts of its limit at rest, and at a third where neither reaches the error. It runs on several grids, to generic end times, in
+several layouts (offsets of the lattice, or seeds of the disorder). Runs are kept in FOLDER/runs.jsonl as soon as they are done.
 
-The time of a run is its number of steps times the time of a step: that of short marches of the same scheme, the least of
-several, as loop or as processor time, so that what else the machine does counts little. The error is the largest l2 error
-over the fields, over the amplitude of the exact solution (the affine part of apic does not count).
+The error of a run is the largest l2 error over the fields, over the amplitude of the exact solution (the affine part of apic
+does not count). Its time is not measured, since other programs share the machine: precision_costs has the cost of a step.
 """
 import json
 import math
 import os
-import resource
 import statistics
 import sys
 from typing import NamedTuple
 
-from program import launch, refuse
+import precision_costs
+from program import launch
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # runs are small, and the threads of a solver wait for one another on a busy machine
 
 # The options of a scheme. Those that update one field first start it half a step early.
 SCHEMES = {
@@ -27,22 +28,22 @@ SCHEMES = {
     "verlet": {"formulation": "verlet"},
     "rk4": {"formulation": "rk", "rk": "rk4"},
     "kg5": {"formulation": "rk", "rk": "kg5"},
+    "implicit": {"formulation": "implicit"},
 }
-FIXED = {}  # the Courant numbers of a scheme without a limit
 TRANSFERS = {
     "flip": {},
     "apic": {"transfer": "apic"},
     "fmpm": {"transfer": "fmpm", "xpic_order": "4"},
     "blend": {"transfer": "blend", "blend_ratio": "0.99"},
 }
-SHARES = (0.9, 0.5, 0.25)  # of the limit at rest
+SHARES = (0.9, 0.5, 0.25)  # of the limit at rest; the last one where the others do not reach the error
 USUAL = 0.5                # the share that a careful person takes
+FIXED = {1: 0, 2: 0, 5: USUAL, 10: 0}  # the Courant numbers of a scheme without a limit
 GRAIN = 40                 # Courant numbers are multiples of its inverse, so that drifts are short fractions
 LOUD = 1.0                 # decades: a scheme rings if noise grows by more than this during a run
 NEAR = 1.5                 # times the error that is wanted: up to there seconds are extrapolated
 NOISE_STEPS = 2000         # of a march of noise
-TIMED, TIMES = 20_000, 6  # particles times steps of a march that is timed, and how often
-CLEAR = 0.02               # seconds of processor time that start-up does not hide
+FEWEST = 6                 # steps a period: with fewer an error may be small by chance
 LOST = 0.6                 # a longer run is left out if a shorter one has this times the error that is wanted
 
 
@@ -63,15 +64,17 @@ FINITE = {"basis": "quadratic", "ppc": "2", "kinematics": "finite", "material": 
 OFFSETS = tuple({"offset": value} for value in ("0.5", "0.3", "0.05"))
 SEEDS = tuple({"jitter": "0.4", "seed": value} for value in ("1", "2", "3"))
 LONG = {1.37: 0.01, 10.37: 0.03, 100.37: 0.3}
+ROUGH = {1.37: 0.15, 100.37: 0.6}  # disordered particles have errors that do not fall with the cells
 
 
 def line(title, mach, layouts=OFFSETS):
-    return Scene(title, {**LINE, **({"mach": mach} if mach else {})}, (16, 32, 64, 128), LONG, 1.0, layouts, 32)
+    return Scene(title, {**LINE, **({"mach": mach} if mach else {})}, (16, 32, 64, 128), LONG if layouts == OFFSETS else ROUGH, 1.0,
+                 layouts, 32)
 
 
 def plane(title, mach, layouts=OFFSETS):
     return Scene(title, {**PLANE, **({"mach": f"{mach},{mach}"} if mach else {})}, (16, 24, 32, 48),
-                 {1.37: 0.03, 10.37: 0.1}, math.sqrt(0.5), layouts, 8)
+                 {1.37: 0.05, 10.37: 0.3}, math.sqrt(0.5), layouts, 8)
 
 
 SCENES = {
@@ -120,28 +123,13 @@ def read_limit(task, options):
 
 
 def read_error(task, options):
-    """Returns steps and the largest error of a run; no error: the state is out of range."""
+    """Returns steps, iterations of a solver, and the largest error of a run; no error: the state is out of range."""
     _, found, said = launch(task, None, options)
     if "run" not in found:
         return {"refused": said.removeprefix("mpmstab: ")}
     errors = [error.get("l2") for field, error in found["run"].get("error", {}).items() if field.split("_")[0] != "c"]
     error = None if not errors or None in errors or not all(map(math.isfinite, errors)) else max(errors)
-    return {"steps": found["run"]["steps"], "error": error}
-
-
-def read_time(task, options):
-    """Returns the seconds of a step."""
-    def cost(steps):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        _, found, said = launch(task, None, {**options, "steps": steps})
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-        return (found["run"]["loop_s"], used) if "run" in found else refuse(said)
-
-    costs = [cost(options["steps"]) for _ in range(TIMES)]
-    start = cost(1)[1]
-    clear = [used - start for _, used in costs if used - start > CLEAR]
-    return {"rate": min([loop for loop, _ in costs] + clear) / options["steps"]}
+    return {"steps": found["run"]["steps"], "iterations": found["run"].get("iterations_per_step", 0), "error": error}
 
 
 def read_growth(task, options):
@@ -155,8 +143,8 @@ def read_growth(task, options):
 
 def courants_of(runs, scene, scheme, transfer):
     """Returns the Courant numbers of a scheme and the shares of its limit that they are; {} if it is refused."""
-    if scheme in FIXED:
-        return {courant: USUAL for courant in FIXED[scheme]}
+    if scheme == "implicit":
+        return {} if "kinematics" in scene.options else FIXED
     given = {name: value for name, value in {**SCHEMES[scheme], **TRANSFERS[transfer], **scene.options}.items()
              if name in ("formulation", "rk", "transfer", "xpic_order", "blend_ratio", "basis", "ppc", "dim")}
     limit = runs.ask("critical", given, read_limit)["limit"]
@@ -189,7 +177,8 @@ def point_of(runs, scene, step, periods, cells, layouts, row):
             row.update(status="refused", note=found["refused"])
             return
         row["errors"].append(math.inf if found["error"] is None else found["error"])
-        row["steps"] = found["steps"]
+        row.update(steps=found["steps"], iterations=found["iterations"])
+        row["seconds"] = precision_costs.seconds_of(row, scene.options)
 
 
 def curve_of(runs, scene, name, step, periods, wanted, before):
@@ -204,7 +193,7 @@ def curve_of(runs, scene, name, step, periods, wanted, before):
         rows.append(row)
         if math.log10(growth) * steps > LOUD:
             row["status"] = "rings"
-        elif before.get(cells, 0) > LOST * wanted:
+        elif before.get(cells, 0) > LOST * wanted or cells * scene.period < FEWEST * courant:
             row["status"] = "lost"
         else:
             point_of(runs, scene, step, periods, cells, scene.layouts[:1], row)
@@ -213,10 +202,8 @@ def curve_of(runs, scene, name, step, periods, wanted, before):
     return rows
 
 
-def work_for(scene, rows, wanted):
-    """Returns particles times steps for an error, which is in proportion to the time of one scheme."""
-    priced = [{**row, "seconds": row["steps"] * row["cells"] ** int(scene.options.get("dim", 1))} for row in rows]
-    return seconds_for(priced, wanted, statistics.median)
+def reaches(rows, wanted):
+    return any(row["errors"] and row["errors"][0] <= wanted for row in rows)
 
 
 def one_scheme(runs, scene, scheme, transfer):
@@ -232,8 +219,10 @@ def one_scheme(runs, scene, scheme, transfer):
         for courant, share in courants.items():
             name = {"scheme": scheme, "transfer": transfer, "courant": courant, "share": share}
             step = {**SCHEMES[scheme], **TRANSFERS[transfer], **scene.options, "courant": f"{courant:g}"}
+            if share == SHARES[-1] and any(reaches(rows, wanted) for _, rows in curves.values()):
+                continue
             curves[courant] = step, curve_of(runs, scene, name, step, periods, wanted, before.get(courant, {}))
-        best = min(curves, key=lambda courant: work_for(scene, curves[courant][1], wanted), default=None)
+        best = min(curves, key=lambda courant: seconds_for(curves[courant][1], wanted, statistics.median), default=None)
         for courant, (step, rows) in curves.items():
             before[courant] = {**before.get(courant, {}), **{row["cells"]: row["errors"][0] for row in rows if row["errors"]}}
             if courant == best:
@@ -244,31 +233,14 @@ def one_scheme(runs, scene, scheme, transfer):
     return found
 
 
-def time_of_step(runs, scene, row):
-    """Returns the seconds of a step: a + b times the particles, from the scene's coarsest and finest grid."""
-    dim = int(scene.options.get("dim", 1))
-    step = {**SCHEMES[row["scheme"]], **TRANSFERS[row["transfer"]], **scene.options, **scene.layouts[0],
-            "courant": f"{row['courant']:g}"}
-    sizes = [(2 * cells) ** dim for cells in (scene.cells[0], scene.cells[-1])]
-    coarse, fine = (runs.ask("run", {**step, "cells": cells_of(scene, cells), "steps": min(100, max(50, TIMED // size))}, read_time)["rate"]
-                    for cells, size in zip((scene.cells[0], scene.cells[-1]), sizes))
-    slope = (fine - coarse) / (sizes[1] - sizes[0])
-    return coarse + slope * ((2 * row["cells"]) ** dim - sizes[0])
-
-
 def rows_of(runs, scene, schemes=None, transfers=None):
-    """Returns all rows of a scene, with the seconds of each."""
+    """Returns all rows of a scene."""
     rows = []
     for scheme in schemes or SCHEMES:
         for transfer in transfers or TRANSFERS:
             if sys.stderr.isatty():
                 print(f"\r{scene.title}: {scheme} {transfer}    ", end="", file=sys.stderr, flush=True)
-            found = list(one_scheme(runs, scene, scheme, transfer))
-            done = [row for row in found if row["errors"]]
-            for row in done:  # a step takes as long at each Courant number, but for those of FIXED
-                usual = row if scheme in FIXED else next((one for one in found if one["share"] == USUAL), row)
-                row["seconds"] = row["steps"] * time_of_step(runs, scene, {**usual, "cells": row["cells"]})
-            rows += found
+            rows += one_scheme(runs, scene, scheme, transfer)
     return rows
 
 

@@ -19,6 +19,7 @@ import time
 
 from checks import SCRIPTS, check, check_one_line, run_script
 from precision_picture import draw
+import precision_costs
 import precision_study
 from precision_table import answer, cheapest_of, make_rows, remarks, uncertain_rows
 from program import PROGRAM, launch
@@ -355,11 +356,13 @@ def check_plane():
 
 
 def check_page():
-    """The table of errors of the page is what the program finds. Times of the study are interpolated, or never reached."""
-    done = start("--check")
-    check(done.returncode == 0 and done.stdout + done.stderr == "", f"--check: {done.stdout} {done.stderr}")
-    one_line(start("--page", "nothing"), 2, "--page nothing: allowed: line-rest")
-    one_line(start(), 2, "no scene; allowed: SCENE.yaml, --page or --check")
+    """Times of the study are interpolated, or never reached; they count steps, particles and iterations."""
+    one_line(start("--page", "nothing"), 2, "nothing is no scene of the page; allowed: line-rest")
+    one_line(start(), 2, "no scene; allowed: SCENE.yaml, --page, --check or --costs")
+    row = {"scheme": "implicit", "transfer": "flip", "cells": 16, "steps": 10, "iterations": 0}
+    one, ten = (precision_costs.seconds_of({**row, "iterations": many}, {"ppc": "2"}) for many in (1, 10))
+    none = precision_costs.seconds_of(row, {"ppc": "2"})
+    check(0 < none < one and abs(ten - none - 10 * (one - none)) < 1e-15, f"times {none}, {one}, {ten}")
     rows = [{"cells": cells, "seconds": 1e-5 * cells**2, "errors": [cells**-2.0, 2 * cells**-2.0]} for cells in (16, 64)]
     check(abs(precision_study.seconds_for(rows, 1e-3, min) - 1e-2) < 1e-12, "not interpolated")
     check(abs(precision_study.seconds_for(rows, 1e-3, max) - 2e-2) < 1e-12, "not that of the largest error")
