@@ -25,7 +25,8 @@
    Comments of the file say how far the matrix can be trusted; numbers are relative to the fields' scales. Numbers of a
    particle that no step reads back, such as places at rest, are left out, since no other eigenvalue feels them:
      moved       largest change of the state in a step: where it is not small, eigenvalues describe this one step
-     repeat      difference of two steps from the same state: other than 0 when something is not registered
+     repeat      difference of the same step early and late: other than 0 when something is not registered, or has switched
+     two_steps   difference of two steps in a row from two of which the second begins anew from the state that is registered
      one_sided   largest difference between an entry from forward and from central differences, beyond what curvature
                  makes: switches at the state
      two_sizes   Frobenius norm of the change of the matrix with perturbations twice as large: rounding and curvature
@@ -53,11 +54,12 @@ enum { MPMSTAB_FLOAT = 4, MPMSTAB_DOUBLE = 8 };
 enum {
   MPMSTAB_BEGIN,
   MPMSTAB_REST,
-  MPMSTAB_REPEAT,
   MPMSTAB_SCALES,
+  MPMSTAB_FIRST,
   MPMSTAB_REACH,
   MPMSTAB_COLUMNS,
   MPMSTAB_CHECK,
+  MPMSTAB_LAST,
   MPMSTAB_DONE
 };
 enum { MPMSTAB_MOST_FIELDS = MPMSTAB_SCALES_MOST, MPMSTAB_MOST_BINS = 100000000, MPMSTAB_ASKED = 4 };
@@ -87,11 +89,11 @@ struct mpmstab_work {
   int                nfields, width, place, stage, asked, number, reach, single;
   long               particles, colours, colour, middle, calls, bins[3], modulus[3];
   long              *bin, *colour_of, *owner, *grid;
-  double             cell, period[3], *base, *rest, *again, *scale, *answer[MPMSTAB_ASKED], *amount[MPMSTAB_ASKED];
-  double             moved, repeat, one_sided, two_sizes, additivity, leaks, *couples, *own, *kinks, *sizes;
-  char              *apart;
-  long               n, room, *row, *column;
-  double            *value;
+  double  cell, period[3], *base, *rest, *first, *again, *scale, *answer[MPMSTAB_ASKED], *amount[MPMSTAB_ASKED];
+  double  moved, repeat, two_steps, one_sided, two_sizes, additivity, leaks, *couples, *own, *kinks, *sizes;
+  char   *apart;
+  long    n, room, *row, *column;
+  double *value;
 };
 
 static inline void *mpmstab_room_(void *old, size_t bytes)
@@ -336,7 +338,8 @@ static inline double mpmstab_size_(const struct mpmstab_work *w)
 
 /*
    The perturbation: +s and -s of one number of the particles of a colour, +2s and -2s, or +-s at random of all numbers that
-   are not set apart, or of a field, while scales are looked for.
+   are not set apart, or of a field, while scales are looked for. The first one is of all numbers, and so is the last. After
+   the first the loop goes on, then begins at the base state, and then at the state after its first step.
 */
 static inline void mpmstab_perturb_(struct mpmstab_work *w)
 {
@@ -348,7 +351,7 @@ static inline void mpmstab_perturb_(struct mpmstab_work *w)
     const int number = (int)(i % w->width), begin = w->field[w->number].begin;
     const int all = w->stage == MPMSTAB_SCALES  ? number >= begin && number < begin + w->field[w->number].size
                     : w->stage == MPMSTAB_CHECK ? !w->apart[number]
-                                                : 0;
+                                                : w->stage == MPMSTAB_LAST || (w->stage == MPMSTAB_FIRST && !w->asked);
     const int one = number == w->number && (w->stage == MPMSTAB_REACH     ? i / w->width == w->middle
                                             : w->stage == MPMSTAB_COLUMNS ? w->colour_of[i / w->width] == w->colour
                                                                           : 0);
@@ -356,7 +359,8 @@ static inline void mpmstab_perturb_(struct mpmstab_work *w)
     random    = (random * 1103515245UL + 12345UL) % 2147483648UL;
     amount[i] = w->base[i] + sign * size * w->scale[number] * (one ? 1 : all ? (double)random / 1073741824.0 - 1 : 0);
   }
-  mpmstab_copy_(w, amount, 1);
+  if (w->stage != MPMSTAB_FIRST || w->asked % 2 == 0) mpmstab_copy_(w, amount, 1);
+  if (w->stage == MPMSTAB_FIRST && w->asked == 3) mpmstab_copy_(w, w->answer[0], 1);
   mpmstab_copy_(w, amount, 0); /* as the code's own numbers round it */
   for (long i = 0; i < w->particles * w->width; i++) amount[i] -= w->base[i];
   w->calls++;
@@ -468,8 +472,26 @@ static inline void mpmstab_next_scale_(struct mpmstab_work *w)
     for (int a = 0; a < w->field[f].size; a++) w->scale[w->field[f].begin + a] = w->scales.scale[f];
   if (w->number >= 0) return;
   w->number = 0;
-  w->stage  = MPMSTAB_REACH;
-  w->repeat = mpmstab_apart_(w, w->rest, w->again);
+  w->stage  = MPMSTAB_FIRST;
+}
+
+/*
+   What the first perturbation gives is kept. A loop that goes on from there has all that the step has left, also what is not
+   registered. One that begins there anew, after another step, has what is registered.
+*/
+static inline void mpmstab_take_first_(struct mpmstab_work *w)
+{
+  const size_t n = sizeof(double) * (size_t)(w->particles * w->width);
+
+  if (!memcmp(w->answer[0], w->answer[1], n) && memcmp(w->answer[0], w->base, n)) {
+    fprintf(stderr, "mpmstab_probe: no field moved in %ld steps: is a copy registered?\n", w->calls);
+    exit(2);
+  }
+  memcpy(w->first, w->answer[0], n);
+  memcpy(w->again, w->answer[2], n);
+  w->two_steps = mpmstab_apart_(w, w->answer[1], w->answer[3]);
+  w->repeat    = mpmstab_apart_(w, w->rest, w->again);
+  w->stage     = MPMSTAB_REACH;
   if (w->reach < 0) mpmstab_begin_columns_(w);
 }
 
@@ -490,19 +512,20 @@ static inline void mpmstab_take_scale_(struct mpmstab_work *w)
 /* Takes one more answer, and says what comes next. */
 static inline void mpmstab_take_(struct mpmstab_work *w)
 {
-  const int answers = w->stage == MPMSTAB_COLUMNS ? 4 : w->stage == MPMSTAB_CHECK || w->stage == MPMSTAB_SCALES ? 2 : 1;
+  const int answers = w->stage == MPMSTAB_COLUMNS || w->stage == MPMSTAB_FIRST  ? 4
+                      : w->stage == MPMSTAB_CHECK || w->stage == MPMSTAB_SCALES ? 2
+                                                                                : 1;
 
   if (++w->asked < answers) return;
   w->asked = 0;
   if (w->stage == MPMSTAB_REST) {
     memcpy(w->rest, w->answer[0], sizeof(double) * (size_t)(w->particles * w->width));
-    w->stage = MPMSTAB_REPEAT;
-  } else if (w->stage == MPMSTAB_REPEAT) {
-    memcpy(w->again, w->answer[0], sizeof(double) * (size_t)(w->particles * w->width));
     mpmstab_next_scale_(w);
   } else if (w->stage == MPMSTAB_SCALES) {
     mpmstab_take_scale_(w);
     mpmstab_next_scale_(w);
+  } else if (w->stage == MPMSTAB_FIRST) {
+    mpmstab_take_first_(w);
   } else if (w->stage == MPMSTAB_REACH) {
     for (long i = 0; i < w->particles * w->width; i++) {
       const double change = fabs(mpmstab_minus_(w, i, w->answer[0], w->rest)) / w->scale[i % w->width];
@@ -520,9 +543,12 @@ static inline void mpmstab_take_(struct mpmstab_work *w)
     if (w->colour < w->colours) return;
     mpmstab_set_apart_(w);
     w->stage = MPMSTAB_CHECK;
+  } else if (w->stage == MPMSTAB_LAST) {
+    w->repeat = fmax(w->repeat, mpmstab_apart_(w, w->first, w->answer[0]));
+    w->stage  = MPMSTAB_DONE;
   } else {
     mpmstab_take_check_(w);
-    w->stage = MPMSTAB_DONE;
+    w->stage = MPMSTAB_LAST;
     if (w->reach >= 0 && (w->leaks > (w->single ? 1e-3 : 1e-6) || w->additivity > (w->single ? 0.05 : 1e-3))) {
       w->reach = -1; /* some particle reaches further than was seen */
       mpmstab_begin_columns_(w);
@@ -558,6 +584,7 @@ static inline void mpmstab_start_(mpmstab_hook *hook, double h)
   }
   w->base      = (double *)mpmstab_room_(NULL, n);
   w->rest      = (double *)mpmstab_room_(NULL, n);
+  w->first     = (double *)mpmstab_room_(NULL, n);
   w->again     = (double *)mpmstab_room_(NULL, n);
   w->own       = (double *)mpmstab_room_(NULL, sizeof(double) * (size_t)(w->width * (3 * w->width + 1)));
   w->couples   = w->own + w->width;
@@ -568,7 +595,7 @@ static inline void mpmstab_start_(mpmstab_hook *hook, double h)
   w->bin       = (long *)mpmstab_room_(NULL, 3 * sizeof(long) * (size_t)w->particles);
   w->colour_of = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
   w->owner     = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
-  for (int i = 0; i < w->width; i++) w->scale[i] = 0; /* the first two steps are of the state itself */
+  for (int i = 0; i < w->width; i++) w->scale[i] = 0; /* the first step is of the state itself */
   memcpy(w->period, hook->period, sizeof w->period);
   w->cell = h;
   mpmstab_copy_(w, w->base, 0);
@@ -620,8 +647,8 @@ static inline void mpmstab_write_(const struct mpmstab_work *w, const char *path
     fprintf(file, "%%%%MatrixMarket matrix coordinate real general\n%% steps: 1\n%% fields:");
     for (int f = 0; f < w->nfields; f++)
       fprintf(file, " %s %d%s", w->field[f].name, w->field[f].size, f == w->place ? " place" : "");
-    fprintf(file, "\n%% calls: %ld\n%% moved: %.3g\n%% repeat: %.3g\n%% one_sided: %.3g\n", w->calls, w->moved,
-            w->repeat, w->one_sided);
+    fprintf(file, "\n%% calls: %ld\n%% moved: %.3g\n%% repeat: %.3g\n%% two_steps: %.3g\n%% one_sided: %.3g\n",
+            w->calls, w->moved, w->repeat, w->two_steps, w->one_sided);
     fprintf(file, "%% two_sizes: %.3g\n%% additivity: %.3g\n%% size: %.3g\n%% single: %d\n", sqrt(w->two_sizes),
             w->additivity, mpmstab_size_(w), w->single);
     mpmstab_write_places_(w, file);
@@ -635,15 +662,15 @@ static inline void mpmstab_write_(const struct mpmstab_work *w, const char *path
   else
     fprintf(stderr,
             "mpmstab_probe: %s has the matrix of your step, of order %ld, from %ld steps: moved %.3g, repeat %.3g, "
-            "one_sided %.3g, two_sizes %.3g, additivity %.3g\n",
-            path, order, w->calls, w->moved, w->repeat, w->one_sided, sqrt(w->two_sizes), w->additivity);
+            "two_steps %.3g, one_sided %.3g, two_sizes %.3g, additivity %.3g\n",
+            path, order, w->calls, w->moved, w->repeat, w->two_steps, w->one_sided, sqrt(w->two_sizes), w->additivity);
 }
 
 static inline void mpmstab_free_(struct mpmstab_work *w)
 {
   for (int k = 0; k < MPMSTAB_ASKED; k++) free(w->answer[k]), free(w->amount[k]);
-  free(w->base), free(w->rest), free(w->again), free(w->own), free(w->apart), free(w->scale), free(w->bin),
-      free(w->colour_of), free(w->owner), free(w->grid);
+  free(w->base), free(w->rest), free(w->first), free(w->again), free(w->own), free(w->apart), free(w->scale),
+      free(w->bin), free(w->colour_of), free(w->owner), free(w->grid);
   free(w->row), free(w->column), free(w->value);
 }
 

@@ -29,6 +29,8 @@ end
 busy = ~strcmp(w.stage, 'done');
 if busy
   [w, q] = perturb(w);
+  if strcmp(w.stage, 'first') && w.asked == 1, q = gather(varargin, w.n); end % the loop goes on from where it is
+  if strcmp(w.stage, 'first') && w.asked == 3, q = w.answer{1}; end
 else
   q = w.base;
   w = struct('stage', 'done');
@@ -151,8 +153,7 @@ while isfinite(w.unsettled)
   end
 end
 w.scale = w.d(w.of).';
-w.repeat = largest(w, minus_periods(w, w.again, w.rest));
-w.stage = 'reach';
+w.stage = 'first';
 w.number = 1;
 end
 
@@ -232,8 +233,10 @@ switch w.stage
   case 'reach',   amount(w.middle, w.number) = 1;
   case 'columns', amount(w.colour_of == w.colour, w.number) = 1;
   case 'check',   amount(:, ~w.apart) = 1;
+  case 'first',   amount(:) = w.asked == 0;
+  case 'last',    amount(:) = 1;
 end
-if any(strcmp(w.stage, {'scales', 'check'})) % rand would change the code's own
+if any(strcmp(w.stage, {'scales', 'check', 'first', 'last'})) % rand would change the code's own
   amount(:) = amount(:).' .* (2 * mod((1:numel(amount)) * 0.6180339887498949, 1) - 1);
 end
 q = w.base + size_of(w.asked + 1) * amount .* w.scale;
@@ -260,18 +263,23 @@ if ~all(isfinite(answer(:)))
 end
 w.asked = w.asked + 1;
 w.answer{w.asked} = answer;
-if w.asked < 1 + 3 * strcmp(w.stage, 'columns') + any(strcmp(w.stage, {'check', 'scales'})), return, end
+if w.asked < 1 + 3 * any(strcmp(w.stage, {'columns', 'first'})) + any(strcmp(w.stage, {'check', 'scales'})), return, end
 w.asked = 0;
 switch w.stage
   case 'rest'
     w.rest = answer;
-    w.stage = 'repeat';
-  case 'repeat'
-    w.again = answer;
     w = next_scale(w);
   case 'scales'
     w = take_scale(w, w.answer{1}, w.answer{2});
     w = next_scale(w);
+  case 'first'
+    if isequal(w.answer{1}, w.answer{2}) && ~isequal(w.answer{1}, w.base)
+      error('mpmstab_probe: no field moved in %d steps: does the loop step other arrays?', w.calls);
+    end
+    [w.first, w.again] = w.answer{[1 3]};
+    w.two_steps = largest(w, minus_periods(w, w.answer{2}, w.answer{4}));
+    w.repeat = largest(w, minus_periods(w, w.again, w.rest));
+    w.stage = 'reach';
   case 'reach'
     touched = any(abs(minus_periods(w, answer, w.rest)) ./ w.scale > 10 * w.repeat, 2);
     d = abs(w.bin - w.bin(w.middle, :));
@@ -297,15 +305,17 @@ switch w.stage
     expected = accumarray(w.entries(:, 1), w.entries(:, 3) .* given(w.entries(:, 2)), [numel(given), 1]);
     expected = reshape(expected, fliplr(size(w.base))).';
     w.additivity = largest(w, response - expected) / max([largest(w, response), largest(w, expected), realmin]);
-    w.stage = 'done';
+    w.stage = 'last';
     limit = [1e-6, 1e-3];
     if any(w.single), limit = [1e-3, 0.05]; end
     if w.reach >= 0 && (w.leaks > limit(1) || w.additivity > limit(2))
       w.reach = -1; % some particle reaches further than was seen
       w = begin_columns(w);
-    else
-      save_matrix(w, path);
     end
+  case 'last'
+    w.repeat = max(w.repeat, largest(w, minus_periods(w, w.first, answer)));
+    w.stage = 'done';
+    save_matrix(w, path);
 end
 end
 
@@ -405,8 +415,8 @@ end
 
 function save_matrix(w, path)
 % Matrix Market; unknowns particle by particle, fields in the order of the call.
-says = sprintf('%% calls: %d\n%% moved: %.3g\n%% repeat: %.3g\n%% one_sided: %.3g\n%% two_sizes: %.3g\n%% additivity: %.3g\n', ...
-               w.calls, largest(w, minus_periods(w, w.rest, w.base)), w.repeat, w.one_sided, sqrt(w.two_sizes), w.additivity);
+says = sprintf('%% calls: %d\n%% moved: %.3g\n%% repeat: %.3g\n%% two_steps: %.3g\n%% one_sided: %.3g\n%% two_sizes: %.3g\n%% additivity: %.3g\n', ...
+               w.calls, largest(w, minus_periods(w, w.rest, w.base)), w.repeat, w.two_steps, w.one_sided, sqrt(w.two_sizes), w.additivity);
 period = w.period(1:w.dim);
 period(~w.periodic) = 0;
 known = [sprintf('%% size: %.3g\n%% single: %d\n%% numbers: %d\n', w.size, any(w.single), numel(w.scale)), ...

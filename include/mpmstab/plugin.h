@@ -36,6 +36,12 @@ int mpmstab_set(const char name[], double value);
 */
 int mpmstab_step(int steps, int64_t particles, double state[]);
 
+/*
+   mpmstab_reset - needed if the description has "reset": true. It is then called before mpmstab_step, and forgets all that
+   the code keeps besides the state, as if the library were loaded anew.
+*/
+void mpmstab_reset(void);
+
 /* mpmstab_error - optional: says in a line what went wrong in the last call that failed. */
 const char *mpmstab_error(void);
 

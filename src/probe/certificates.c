@@ -18,14 +18,17 @@
 #define SPREAD 10         /* times the tolerance: of two sizes, since growth itself is compared too */
 #define SPREAD_SINGLE 100
 #define MOVES_BY 1e-3       /* the share of a mode's growth by which the base state may move */
+#define LASTS 10            /* times what noise makes of a response, its change is none */
+#define ANOTHER 0.01        /* a code whose answers change by more may be another one than it was */
 #define NORM_STEPS 20       /* of the power method */
 #define AT_REST 1e-9        /* a change of the base state per application, in scales, that is rounding */
 #define AT_REST_SINGLE 1e-5 /* of floats */
 
-const char *const MpmCertificateNames[] = {"repeat",      "two sizes", "additivity", "one side",
-                                           "equilibrium", "reach",     "columns",    "scales"};
+const char *const MpmCertificateNames[] = {"repeat",      "two steps", "two sizes", "additivity", "one side",
+                                           "equilibrium", "reach",     "columns",   "scales"};
 
-const char *const MpmCertificateTexts[] = {"a state stepped again, also after another one",
+const char *const MpmCertificateTexts[] = {"the first perturbation again after all others",
+                                           "steps in one request against one step each",
                                            "probed with two sizes: norm of the difference",
                                            "a sum of perturbations against the sum of responses",
                                            "forward against backward at the base state",
@@ -35,6 +38,7 @@ const char *const MpmCertificateTexts[] = {"a state stepped again, also after an
                                            "scales of fields, looked for once more: change in powers of 2"};
 
 const char *const MpmCertificateFaults[] = {"the code does not repeat itself",
+                                            "several steps in one request are not one step each",
                                             "two sizes of perturbations give two operators",
                                             "the step has switches (responses do not add up)",
                                             "the base state is on a switch",
@@ -77,7 +81,7 @@ void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates
   c->bound[MPM_CERTIFY_ONE_SIDED] = c->bound[MPM_CERTIFY_COLUMNS] = single ? KINKS_SINGLE : KINKS;
   c->bound[MPM_CERTIFY_SCALES]                                    = 1;
   c->bound[MPM_CERTIFY_EQUILIBRIUM]                               = single ? AT_REST_SINGLE : AT_REST;
-  c->bound[MPM_CERTIFY_SIZES]                                     = (single ? SPREAD_SINGLE : SPREAD) * tolerance;
+  c->bound[MPM_CERTIFY_SIZES] = c->bound[MPM_CERTIFY_COMPOSED] = (single ? SPREAD_SINGLE : SPREAD) * tolerance;
 }
 
 /* Everything at once is perturbed by little, so that products of two perturbations are small. */
@@ -107,31 +111,53 @@ static PetscErrorCode Share(MpmCertificates *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The largest difference of two responses, and its unknown. */
+static PetscReal Difference(const MpmProbe *p, const PetscReal one[], const PetscReal other[], PetscInt64 *at)
+{
+  const PetscInt width = p->stepper->width;
+  PetscReal      most  = 0;
+
+  *at = MPM_NONE;
+  for (PetscInt64 i = 0; i < p->stepper->particles * width; i++) {
+    if (p->apart[i % width] || !(PetscAbsReal(one[i] - other[i]) > most)) continue;
+    most = PetscAbsReal(one[i] - other[i]);
+    *at  = i;
+  }
+  return most;
+}
+
 /*
-   Steps a perturbed state, then others, then the same one again. Among the others is the base state with its particles in
-   the opposite order: it is as good a state as the base, and every particle is elsewhere.
+   Steps a perturbed state before and after another one, which is the base state with its particles in the opposite order: it
+   is as good a state as the base, and every particle is elsewhere. What the answers differ by is an error of the operator.
+   Then the first perturbation of all is asked for once more. If its response has changed by more than comes of that, a
+   larger perturbation has switched something on that stays.
 */
-static PetscErrorCode Repeat(MpmProbe *p, MpmCertificates *c)
+PetscErrorCode MpmCertifyRepeat(MpmProbe *p, const PetscBool apart[], MpmCertificates *c)
 {
   MpmStepper      *s = p->stepper;
   const PetscInt64 n = s->particles * s->width;
-  PetscReal       *first, *again, *amount;
+  PetscReal       *one, *other, *amount, *value = &c->value[MPM_CERTIFY_REPEAT], late;
+  PetscInt64       at, *most = &c->most[MPM_CERTIFY_REPEAT];
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(n, &first, n, &again, n, &amount));
-  PetscCall(MpmProbeRandom(p, 11, p->size, NULL, amount, first));
-  PetscCall(MpmProbeRandom(p, 11, p->size, NULL, amount, again));
-  c->value[MPM_CERTIFY_REPEAT] = 0;
-  for (PetscInt64 i = 0; i < n; i++) Most(c, MPM_CERTIFY_REPEAT, i, PetscAbsReal(first[i] - again[i]));
+  PetscCall(PetscMalloc3(n, &one, n, &other, n, &amount));
+  p->apart = apart;
+  PetscCall(MpmProbeRandom(p, 12, p->size, NULL, amount, one));
   for (PetscInt64 i = 0; i < s->particles; i++)
-    PetscCall(PetscArraycpy(again + i * s->width, s->base + (s->particles - 1 - i) * s->width, s->width));
-  PetscCall(MpmStepperStep(s, p->steps, s->particles, again));
-  PetscCall(MpmProbeRandom(p, 11, p->size, NULL, amount, again));
-  for (PetscInt64 i = 0; i < n; i++) Most(c, MPM_CERTIFY_REPEAT, i, PetscAbsReal(first[i] - again[i]));
-  PetscCall(PetscArraycpy(again, s->base, n));
-  PetscCall(MpmStepperStep(s, p->steps, s->particles, again));
-  Most(c, MPM_CERTIFY_REPEAT, MPM_NONE, MpmProbeDistance(p, again, p->rest) / p->size);
-  PetscCall(PetscFree3(first, again, amount));
+    PetscCall(PetscArraycpy(other + i * s->width, s->base + (s->particles - 1 - i) * s->width, s->width));
+  PetscCall(MpmStepperStep(s, p->steps, s->particles, other));
+  PetscCall(MpmProbeRandom(p, 12, p->size, NULL, amount, other));
+  *value = Difference(p, one, other, most);
+  PetscCall(PetscArraycpy(other, s->base, n));
+  PetscCall(MpmStepperStep(s, p->steps, s->particles, other));
+  Most(c, MPM_CERTIFY_REPEAT, MPM_NONE, MpmProbeDistance(p, other, p->rest) / p->size);
+  PetscCall(MpmProbeRespondFirst(p, other));
+  late = Difference(p, p->first, other, &at);
+  if (late > LASTS * p->size / p->least * *value) Most(c, MPM_CERTIFY_REPEAT, at, late);
+  p->apart = NULL;
+  PetscCall(PetscFree3(one, other, amount));
+  PetscCall(MpmStepperAgree(s));
+  PetscCall(Share(c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -264,9 +290,9 @@ PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, const PetscBool 
   for (PetscInt64 i = 0; i < p->stepper->particles * p->stepper->width; i++)
     coarsest = PetscMax(coarsest, Rounding(p, i, size));
   c->bound[MPM_CERTIFY_COLUMNS] += coarsest;
-  PetscCall(Repeat(p, c));
   PetscCall(Additivity(p, size, c));
   PetscCall(OneSided(p, size, c));
+  c->value[MPM_CERTIFY_COMPOSED]    = p->composed;
   c->value[MPM_CERTIFY_EQUILIBRIUM] = MpmProbeMoved(p, &c->most[MPM_CERTIFY_EQUILIBRIUM]);
   TakeScales(p->stepper, c);
   p->apart = NULL;
@@ -368,13 +394,14 @@ PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat
 
 /*
    Whether growth is beyond what the fault that a certificate shows can make of an eigenvalue of this condition. What is felt
-   too far away may be felt in every cell.
+   too far away may be felt in every cell. A code that is another one in the next step, or later, has other eigenvalues.
 */
 static PetscBool IsBeyond(const MpmCertificates *c, MpmCertificate which, PetscReal condition, const MpmFinding *f)
 {
   const PetscReal value  = c->value[which] * (PetscReal)(which == MPM_CERTIFY_REACH ? c->cells : 1),
                   excess = f->growth - 1;
 
+  if (which == MPM_CERTIFY_COMPOSED || (which == MPM_CERTIFY_REPEAT && value > ANOTHER)) return PETSC_FALSE;
   if (which == MPM_CERTIFY_EQUILIBRIUM) return value < MOVES_BY * excess ? PETSC_TRUE : PETSC_FALSE;
   return excess > f->tolerance + condition * value ? PETSC_TRUE : PETSC_FALSE;
 }

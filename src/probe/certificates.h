@@ -10,9 +10,12 @@
 /*E
    MpmCertificate - what is looked at.
 
-     MPM_CERTIFY_REPEAT      - a state is stepped twice, and again after other states; the difference over the size of
-                               perturbations is an error of the operator. It shows memory that the state does not have,
-                               such as a list of cells that is not made anew, and sums in changing order
+     MPM_CERTIFY_REPEAT      - the response to the first perturbation, which is small, once more after all others, and after
+                               other states; the difference is an error of the operator. It shows a switch that stays on, memory
+                               that the state does not have, such as a list of cells that is not made anew, and sums in
+                               changing order
+     MPM_CERTIFY_COMPOSED    - steps in one request against requests of one step each, over the size of the perturbation.
+                               It shows what a code keeps only within a request, and steps that change with their number
      MPM_CERTIFY_SIZES       - the operator is probed with two sizes of perturbations; the norm of the difference shows
                                rounding and curvature
      MPM_CERTIFY_ADDITIVITY  - the response to a sum of two perturbations, less the two responses; and how much a response
@@ -27,6 +30,7 @@
 E*/
 typedef enum {
   MPM_CERTIFY_REPEAT,
+  MPM_CERTIFY_COMPOSED,
   MPM_CERTIFY_SIZES,
   MPM_CERTIFY_ADDITIVITY,
   MPM_CERTIFY_ONE_SIDED,
@@ -75,10 +79,12 @@ PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificat
 MpmCertificate MpmCertificatesFault(const MpmCertificates *certificates);
 
 /*
-   MpmCertifyStep - takes those that need no operator: repeat, additivity, one side, equilibrium, scales. The others are NaN.
+   MpmCertifyStep - takes those that need no operator: two steps, additivity, one side, equilibrium, scales. The others are
+   NaN.
    MpmCertifyBlocks - adds two sizes and columns, of blocks that were probed with the two sizes of probe. Their reach is known
    where they are.
    MpmCertifyMatrix - does the same for a matrix, with its reach.
+   MpmCertifyRepeat - adds repeat, when all others are taken.
 
    What is set apart does not count, because no eigenvalue that is judged feels its error: apart[c] says whether number c of
    a particle is; kept and other are without it, one is with it.
@@ -92,6 +98,7 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice,
                                 MpmCertificates *certificates);
 PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
                                 const PetscBool apart[], MpmCertificates *certificates);
+PetscErrorCode MpmCertifyRepeat(MpmProbe *probe, const PetscBool apart[], MpmCertificates *certificates);
 
 /*
    MpmCertificatesJudge - the verdict of a finding, given its growth. It is unstable only if growth - 1 is larger than the

@@ -135,6 +135,7 @@ PetscErrorCode MpmStepperDescribe(MpmStepper *s, const json_t *description)
   s->described = s->particles;
   s->steps     = (PetscInt)steps;
   s->any_count = json_is_true(json_object_get(description, "any_count")) ? PETSC_TRUE : PETSC_FALSE;
+  s->resets    = json_is_true(json_object_get(description, "reset")) ? PETSC_TRUE : PETSC_FALSE;
   Grid(s, description);
   Fields(s, json_object_get(description, "fields"));
   Parameters(s, json_object_get(description, "parameters"));

@@ -12,7 +12,7 @@
 void MpmHookedBegin(MpmHooked *h)
 {
   *h       = (MpmHooked){.dim = 0};
-  h->moved = h->repeat = h->one_sided = h->two_sizes = h->additivity = h->unsettled = NAN;
+  h->moved = h->repeat = h->two_steps = h->one_sided = h->two_sizes = h->additivity = h->unsettled = NAN;
 }
 
 /* Reads the numbers of a text: -1 if something else is in it, or more than so many. */
@@ -93,6 +93,7 @@ PetscErrorCode MpmHookedTake(const char comment[], MpmHooked *h, const char **wr
               {"cell_width", NOT_NEGATIVE, 1, offsetof(MpmHooked, cell_width)},
               {"moved", CERTIFICATE, 1, offsetof(MpmHooked, moved)},
               {"repeat", CERTIFICATE, 1, offsetof(MpmHooked, repeat)},
+              {"two_steps", CERTIFICATE, 1, offsetof(MpmHooked, two_steps)},
               {"one_sided", CERTIFICATE, 1, offsetof(MpmHooked, one_sided)},
               {"two_sizes", CERTIFICATE, 1, offsetof(MpmHooked, two_sizes)},
               {"additivity", CERTIFICATE, 1, offsetof(MpmHooked, additivity)},
@@ -136,13 +137,13 @@ PetscErrorCode MpmHookedFree(MpmHooked *h)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What two steps from the same state differ by is felt by an entry over the size of the perturbations. */
+/* What steps from the same state differ by is felt by an entry over the size of the perturbations. */
 PetscErrorCode MpmHookedCertificates(MPI_Comm comm, const MpmHooked *h, PetscReal tolerance, MpmCertificates *c)
 {
-  PetscReal said[] = {
-      h->moved,    h->repeat / (h->size > 0 ? h->size : 1), h->one_sided, h->two_sizes, h->additivity, h->single,
-      h->unsettled};
-  PetscBool single;
+  const PetscReal size   = h->size > 0 ? h->size : 1;
+  PetscReal       said[] = {h->moved,      h->repeat / size, h->one_sided, h->two_sizes,
+                            h->additivity, h->single,        h->unsettled, h->two_steps / size};
+  PetscBool       single;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Bcast(said, sizeof said / sizeof *said, MPIU_REAL, 0, comm));
@@ -154,6 +155,7 @@ PetscErrorCode MpmHookedCertificates(MPI_Comm comm, const MpmHooked *h, PetscRea
   c->value[MPM_CERTIFY_SIZES]       = said[3];
   c->value[MPM_CERTIFY_ADDITIVITY]  = said[4];
   c->value[MPM_CERTIFY_SCALES]      = said[6];
+  c->value[MPM_CERTIFY_COMPOSED]    = said[7];
   c->nfields                        = h->nfields; /* for the first rank, which reports */
   PetscCall(PetscArraycpy(c->field, h->field, h->nfields));
   PetscFunctionReturn(PETSC_SUCCESS);

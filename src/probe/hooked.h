@@ -22,7 +22,7 @@
    which the file has place_dim. given: which comments were there.
 S*/
 typedef struct {
-  PetscReal moved, repeat, one_sided, two_sizes, additivity, unsettled, size, single, numbers, cell_width,
+  PetscReal moved, repeat, two_steps, one_sided, two_sizes, additivity, unsettled, size, single, numbers, cell_width,
       period[MPM_MAX_DIM], steps;
   PetscInt   dim, place_dim;
   unsigned   given;

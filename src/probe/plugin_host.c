@@ -17,6 +17,7 @@ typedef struct {
   const char *(*describe)(const double **state);
   int (*set)(const char name[], double value);
   int (*step)(int steps, int64_t particles, double state[]);
+  void (*reset)(void);
   const char *(*error)(void);
   FILE   *in, *out;
   size_t  particles, width, room;
@@ -140,6 +141,10 @@ static int Step(Host *h, const json_t *message)
     h->room  = n;
   }
   if (!h->state || fread(h->state, sizeof *h->state, n, h->in) != n) return 0;
+  if (json_is_true(json_object_get(message, "reset"))) {
+    if (!Find(h, "mpmstab_reset", &h->reset)) return 1;
+    h->reset();
+  }
   if (h->step((int)json_integer_value(json_object_get(message, "steps")), (int64_t)particles, h->state))
     Fail(h, "step: %.*s", SAID, Said(h));
   else {

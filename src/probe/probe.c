@@ -5,6 +5,8 @@
 #include <math.h>
 
 #define SIZES 5
+#define LATEST 16        /* steps, within which a code is noticed whose steps change with their number */
+#define CHANGES 1e-3     /* a smaller difference of steps comes of noise */
 #define NEAR 1e-6        /* a place within this of a cell width is the same */
 #define NEAR_SINGLE 3e-5 /* of states that are floats */
 #define SMALL 1e-3       /* up to this size, in scales, a response should not depend on the size of its perturbation */
@@ -188,6 +190,18 @@ PetscErrorCode MpmProbeRandom(MpmProbe *p, PetscInt64 seed, PetscReal size, cons
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* All unknowns are perturbed, also those that are later set apart. */
+PetscErrorCode MpmProbeRespondFirst(MpmProbe *p, PetscReal response[])
+{
+  const PetscBool *apart = p->apart;
+
+  PetscFunctionBegin;
+  p->apart = NULL;
+  PetscCall(MpmProbeRandom(p, 11, p->least, NULL, NULL, response));
+  p->apart = apart;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- how to perturb ---- */
 
 PetscErrorCode MpmProbeCreate(MpmStepper *s, MpmProbe *p)
@@ -218,7 +232,7 @@ static PetscErrorCode Compare(MpmProbe *p, PetscBool places, int first, PetscRea
   PetscCall(PetscMalloc1(p->stepper->width, &part));
   for (PetscInt c = 0; c < p->stepper->width; c++)
     part[c] = (PlaceAxis(p->stepper, c) != MPM_NONE) == places ? PETSC_TRUE : PETSC_FALSE;
-  for (int k = first; k < SIZES; k++) {
+  for (int k = SIZES - 1; k >= first; k--) { /* a large one may throw a switch that stays on */
     PetscCall(PetscMalloc1(n, &response[k]));
     PetscCall(MpmProbeRandom(p, 2, size[k], part, NULL, response[k]));
   }
@@ -284,6 +298,91 @@ static PetscErrorCode ChooseSizes(MpmProbe *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- requests of several steps ---- */
+
+/*
+   Steps a state by requests of some steps each, until LATEST steps are done or it has changed much. first: the state after
+   the first request.
+*/
+static PetscErrorCode StepOften(MpmProbe *p, PetscInt each, const PetscReal state[], PetscReal first[], PetscReal now[],
+                                PetscInt *requests)
+{
+  MpmStepper      *s = p->stepper;
+  const PetscInt64 n = s->particles * s->width;
+  PetscReal       *before;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &before));
+  PetscCall(PetscArraycpy(now, state, n));
+  for (*requests = 0; *requests < 2 || *requests * each < LATEST; (*requests)++) {
+    const PetscReal most = 4 * MpmProbeDistance(p, first, state) + sizes[p->single][0];
+
+    if (*requests > 1 && (MpmProbeDistance(p, now, before) > most || MpmProbeDistance(p, now, state) > 1)) break;
+    PetscCall(PetscArraycpy(before, now, n));
+    PetscCall(MpmStepperStep(s, each, s->particles, now));
+    if (!*requests) PetscCall(PetscArraycpy(first, now, n));
+  }
+  PetscCall(PetscFree(before));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   By how much requests of some steps each differ from one request for all those steps, and the first of them from the same
+   one later, over the size of the perturbation that the state has. Of a code that counts its steps these begin at other
+   numbers, unless each request has whole periods.
+*/
+static PetscErrorCode Compose(MpmProbe *p, PetscInt each, PetscReal *differs)
+{
+  MpmStepper      *s = p->stepper;
+  const PetscInt64 n = s->particles * s->width;
+  PetscReal       *state, *first, *now, *other;
+  PetscInt         requests = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc4(n, &state, n, &first, n, &now, n, &other));
+  for (PetscInt64 i = 0; i < n; i++)
+    state[i] = Rounded(p, s->base[i] + p->least * p->scale[i % s->width] * (2 * MpmHash(5, i) - 1));
+  PetscCall(StepOften(p, each, state, first, now, &requests));
+  PetscCall(PetscArraycpy(other, state, n));
+  PetscCall(MpmStepperStep(s, each, s->particles, other));
+  *differs = MpmProbeDistance(p, other, first) / p->least;
+  PetscCall(PetscArraycpy(other, state, n));
+  PetscCall(MpmStepperStep(s, each * requests, s->particles, other));
+  *differs = PetscMax(*differs, MpmProbeDistance(p, other, now) / p->least);
+  PetscCall(PetscFree4(state, first, now, other));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Looks for the number of steps after which steps repeat, if they are not alike, also when they are asked for again: a switch
+   that has been thrown in between changes them once. All ranks then begin with a whole period, whatever each of them has asked
+   before.
+*/
+static PetscErrorCode FindSteps(MpmProbe *p, PetscReal state[])
+{
+  MpmStepper *s = p->stepper;
+  PetscReal   differs;
+
+  PetscFunctionBegin;
+  PetscCall(Compose(p, s->steps, &p->composed));
+  for (PetscInt each = 1; each < LATEST && s->steps == 1 && p->composed > CHANGES && !s->failure[0]; each++) {
+    PetscCall(Compose(p, each, &differs));
+    if (differs > CHANGES * p->composed) continue;
+    if (each == 1) break;
+    s->steps    = each;
+    s->changes  = PETSC_TRUE;
+    p->composed = differs;
+  }
+  PetscCall(MpmStepperAgree(s));
+  PetscCallMPI(MPI_Bcast(&s->steps, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &p->composed, 1, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  if (s->done % s->steps) {
+    PetscCall(PetscArraycpy(state, s->base, s->particles * s->width));
+    PetscCall(MpmStepperStep(s, s->steps - (PetscInt)(s->done % s->steps), s->particles, state));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What the first rank has found is what all ranks take: a code with noise may answer each of them something else. */
 static PetscErrorCode Share(MpmProbe *p)
 {
@@ -313,13 +412,22 @@ void MpmProbeSizesOf(MpmProbe *p, const MpmProbe *other)
 
 PetscErrorCode MpmProbeBegin(MpmProbe *p, PetscInt longest)
 {
-  MpmStepper      *s = p->stepper;
-  const PetscInt64 n = s->particles * s->width;
-  PetscReal       *again;
+  MpmStepper      *s     = p->stepper;
+  const PetscInt64 n     = s->particles * s->width;
+  const PetscInt   steps = s->steps;
+  PetscReal       *state;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n, &p->rest));
-  PetscCall(PetscMalloc1(n, &again));
+  PetscCall(PetscMalloc1(n, &state));
+  p->steps = s->steps;
+  if (p->size == 0) {
+    PetscCall(MpmProbeAnswersFloats(p, state));
+    p->least = sizes[p->single][SIZES - 1];
+    PetscCall(PetscMalloc1(n, &p->first));
+    PetscCall(MpmProbeRespondFirst(p, p->first));
+    PetscCall(FindSteps(p, state));
+  }
   PetscCall(FindPeriod(p, longest));
   PetscCall(PetscArraycpy(p->rest, s->base, n));
   PetscCall(MpmStepperStep(s, p->steps, s->particles, p->rest));
@@ -327,10 +435,10 @@ PetscErrorCode MpmProbeBegin(MpmProbe *p, PetscInt longest)
   if (s->place == MPM_NONE || !HasShifted(s, p->near, p->rest, p->shift))
     PetscCall(PetscArrayzero(p->shift, MPM_MAX_DIM));
   if (p->size == 0) {
-    PetscCall(MpmProbeAnswersFloats(p, again));
+    if (p->steps != steps) PetscCall(MpmProbeRespondFirst(p, p->first));
     PetscCall(ChooseSizes(p));
   }
-  PetscCall(PetscFree(again));
+  PetscCall(PetscFree(state));
   PetscCall(MpmStepperAgree(s));
   PetscCall(Share(p));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -341,5 +449,6 @@ PetscErrorCode MpmProbeDestroy(MpmProbe *p)
   PetscFunctionBegin;
   PetscCall(PetscFree(p->scale));
   PetscCall(PetscFree(p->rest));
+  PetscCall(PetscFree(p->first));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -22,17 +22,20 @@
    size, other - the two sizes of perturbations, in scales
    apart   - numbers of a particle that are not perturbed at random, and of which no response counts; NULL: none
    rest    - the state after steps from the base
+   first   - the response to the first perturbation, of size least, before any that is larger
+   composed - by how much steps in one request differ from requests of one step each, over the size of a perturbation
 S*/
 typedef struct {
   MpmStepper      *stepper;
   PetscInt         steps, shift[MPM_MAX_DIM];
   PetscBool        single;
-  PetscReal       *scale, near, size, other, *rest;
+  PetscReal       *scale, near, size, other, least, *rest, *first, composed;
   const PetscBool *apart;
 } MpmProbe;
 
 /*
-   MpmProbeCreate - finds the scales. MpmProbeBegin steps the base state, and finds out how to perturb it.
+   MpmProbeCreate - finds the scales. MpmProbeBegin steps the base state, and finds out how to perturb it. If steps change
+   with their number, it finds after how many they repeat, and these are from then on the steps of the stepper.
 
    Collective. longest: the largest number of steps after which particles may have the same places in cells again.
 */
@@ -71,9 +74,12 @@ PetscErrorCode MpmProbeRandom(MpmProbe *probe, PetscInt64 seed, PetscReal size, 
                               PetscReal amount[], PetscReal response[]);
 
 /*
+   MpmProbeRespondFirst - the response to the perturbation that is the first of all. Not collective.
+
    MpmProbeBends - how much the response to a random perturbation depends on its size, relative to it; where nothing switches
    it is small. Not collective. at: the unknown of which that is so, or MPM_NONE.
 */
+PetscErrorCode MpmProbeRespondFirst(MpmProbe *probe, PetscReal response[]);
 PetscErrorCode MpmProbeBends(MpmProbe *probe, PetscReal *bends, PetscInt64 *at);
 
 /*

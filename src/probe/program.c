@@ -43,6 +43,7 @@ PetscErrorCode MpmProgramOpen(const MpmRequest *request, MpmProgram *p)
     PetscCall(MpmStepperStartProgram(request->program, request->program_timeout, &p->stepper));
   else
     PetscCall(MpmStepperStartPlugin(request->plugin, request->program_timeout, &p->stepper));
+  if (request->program_period) p->stepper->steps = request->program_period;
   PetscCall(SetParameters(p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -158,6 +159,7 @@ PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &p->certificates));
     PetscCall(Blocks(p, p->probe.other, &all[1], other, &farthest[1]));
     PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &all[0], one, other, p->unread.apart, &p->certificates));
+    PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, &p->certificates));
     p->certificates.value[MPM_CERTIFY_REACH] = PetscMax(farthest[0], farthest[1]);
     PetscCall(MpmBlocksFree(&all[1]));
   }
@@ -178,6 +180,7 @@ static PetscErrorCode Shell(MpmProgram *p, Mat *one, Mat *other)
   PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, c));
   PetscCall(MpmProbeShell(&p->probe, p->probe.other, other));
   PetscCall(MpmProbeShellDistance(*one, *other, &c->value[MPM_CERTIFY_SIZES]));
+  PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -208,6 +211,7 @@ PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
     PetscCall(Matrix(p, p->probe.other, &B));
     PetscCall(MpmUnreadReduce(&p->unread, B, other));
     PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, *one, *other, p->unread.apart, &p->certificates));
+    PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, &p->certificates));
     if (p->kind == MPM_PROBE_MATRIX_FREE) p->certificates.value[MPM_CERTIFY_REACH] = NAN; /* nothing is too far away */
     PetscCall(MatDestroy(&B));
   }

@@ -4,7 +4,7 @@
 
      > {"do":"describe"}                        < {"protocol":1, ...}   the base state
      > {"do":"set","NAME":VALUE}                < {}
-     > {"do":"step","steps":N}   the state      < {}                    the state
+     > {"do":"step","steps":N}   the state      < {}                    the state      with "reset":true if it can
      > {"do":"quit"}
 
    Instead an answer may be an "error", in the words of the code, or a "failure", a sentence of the process of a library.
@@ -203,6 +203,7 @@ PetscErrorCode MpmStepperStep(MpmStepper *s, PetscInt steps, PetscInt64 particle
 
   PetscFunctionBegin;
   if (particles != s->described) (void)json_object_set_new(command, "particles", json_integer(particles));
+  if (s->resets) (void)json_object_set_new(command, "reset", json_true());
   PetscCheck(particles == s->particles || s->any_count, PETSC_COMM_SELF, PETSC_ERR_PLIB, "another number of particles");
   if (s->failure[0]) {
     json_decref(command);
@@ -213,6 +214,7 @@ PetscErrorCode MpmStepperStep(MpmStepper *s, PetscInt steps, PetscInt64 particle
   if (answer) PetscCall(TakeState(s, n, after));
   json_decref(answer);
   s->calls++;
+  s->done += steps;
   if (!s->failure[0]) CheckFinite(s, "the state after a step", particles, after);
   if (!s->failure[0]) PetscCall(PetscArraycpy(state, after, n));
   PetscCall(PetscFree(after));

@@ -45,13 +45,15 @@ typedef struct {
    place       - the number of the field that is the particle's place, or MPM_NONE
    cell        - instead of a place the cell of each particle, dim numbers each, or NULL
    parameters  - what can be set, with the values that the code came with and those that are set now
-   steps       - the number of steps after which the state can be compared with the one before
+   steps       - the number of steps after which the state can be compared with the one before; changes: it was found, since
+                 steps are not alike
+   resets      - before a step the code can forget all that it keeps besides the state
    searched    - scales of fields have been looked for; unsettled: by so many powers of 2 they change when that is done again,
                  infinite: they were not found
    any_count   - a step may be asked for another number of particles
    base        - the base state: particles x width numbers
    failure     - of this rank; empty: none
-   calls       - steps asked for on this rank
+   calls, done - requests for steps on this rank, and their steps
    child       - the process that does the steps
 S*/
 typedef struct MpmStepper_ MpmStepper;
@@ -60,8 +62,8 @@ struct MpmStepper_ {
   char                where[PETSC_MAX_PATH_LEN], name[MPM_STEPPER_NAME], failure[MPM_STEPPER_FAILURE];
   PetscInt            dim, nfields, width, place, nparameters, steps;
   PetscReal           cell_width, period[MPM_MAX_DIM], unsettled;
-  PetscInt64          described, particles, calls;
-  PetscBool           any_count, searched;
+  PetscInt64          described, particles, calls, done;
+  PetscBool           any_count, searched, changes, resets;
   MpmStepperField     fields[MPM_STEPPER_FIELDS];
   MpmStepperParameter parameters[MPM_STEPPER_PARAMETERS];
   PetscInt           *cell;

@@ -39,13 +39,17 @@ void MpmReportProgram(const MpmProgram *p)
     MpmPrint("probing: coloured%s%s; a step reaches %s cells, so that unknowns have %" PetscInt_FMT " colours",
              p->why[0] ? ", since " : "", p->why, MpmCountsText(s->dim, p->colours.reach, MPM_VECTOR_ROOM), p->columns);
   }
+  if (s->changes)
+    MpmPrint("\n  steps of the code change with their number, and repeat after %" PetscInt_FMT
+             ", which are probed together",
+             s->steps);
   if (p->columns)
     MpmPrint("\n  cost: %" PetscInt_FMT " calls of %" PetscInt_FMT
-             " step%s (forward and backward, with two sizes), and about 40 for "
+             " step%s (forward and backward, with two sizes), and about 60 for "
              "certificates\n",
              4 * p->columns, p->probe.steps, p->probe.steps == 1 ? "" : "s");
   else
-    MpmPrint("\n  cost: two calls of %" PetscInt_FMT " step%s for each product, and about 50 for certificates\n",
+    MpmPrint("\n  cost: two calls of %" PetscInt_FMT " step%s for each product, and about 70 for certificates\n",
              p->probe.steps, p->probe.steps == 1 ? "" : "s");
   MpmPrint("  sizes of perturbations: %.3g and %.3g of each field's scale; the code computes in %s precision\n",
            (double)p->probe.size, (double)p->probe.other, p->probe.single ? "single" : "double");

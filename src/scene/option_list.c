@@ -336,6 +336,8 @@ const MpmField MpmOptions[] = {
    NO_RANGE, FILE_IN(program_dt), .tasks = "critical, spectrum, symbol", OF_MATRIX},
   {"program_timeout", MPM_REAL, "60", "seconds in which program, or a function of plugin, must answer",
    ABOVE(0), .tasks = "spectrum, symbol, critical, map", ASKED(AS_REAL, program_timeout), OF_MATRIX},
+  {"program_period", MPM_INTEGER, NULL, "steps after which a step of program or plugin that changes with its number repeats; they are probed together (default: what the code says, or below 16 what is found)",
+   BETWEEN(1, 1000000), .tasks = "spectrum, symbol, critical, map", ASKED(AS_COUNT, program_period), OF_MATRIX},
   {"probe", MPM_WORD, NULL, "how program or plugin is probed: bloch (one cell), coloured (particles that do not feel one another at a time) or matrix_free (every column, or products alone) (default: bloch where all cells are alike, coloured in other layouts, matrix_free where a step reaches the whole domain or particles have no places)",
    WORDS(MpmProbeNames), .tasks = "spectrum, symbol, critical, map", OF_MATRIX},
   {"compare", MPM_PATH, NULL, "keys of a scene, such as formulation=usl,transfer=apic,courant=0.5: the step of program or plugin is compared with that scheme, block by block; particles and dt are those of the code",

@@ -102,7 +102,8 @@ extern const char *const MpmTangentNames[];
    program, plugin   - the command, or the library, of a code that takes the place of a scene; program_set: its parameters
                        that are set; program_dt: the one that is the time step; at: steps after which it is probed;
                        compare: keys of a scene that it is compared with
-   program_timeout, probe - seconds in which a program must answer, and how it is probed
+   program_timeout, probe - seconds in which a program must answer, and how it is probed; program_period: steps that are
+                       probed together, 0 if that is not said
    write_matrix, write_blocks - files to which operator and blocks go
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
                        when initial is eigenmode
@@ -115,6 +116,7 @@ typedef struct {
   PetscBool       weights, source_term, ringing, measure, nodal, nodal_asked, survey, refine, damping, verbose;
   PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
+  PetscInt        program_period;
   PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];
   MpmProgressWish progress;
   MpmAxis         axes[2];

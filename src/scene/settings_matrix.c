@@ -17,6 +17,7 @@ static const struct {
     {"program_set", "program", "plugin"},
     {"program_dt", "program", "plugin"},
     {"program_timeout", "program", "plugin"},
+    {"program_period", "program", "plugin"},
     {"probe", "program", "plugin"},
     {"at", "program", "plugin"},
     {"compare", "program", "plugin"},

@@ -1,9 +1,8 @@
 #!/usr/bin/python3
 """Checks -program against scenes of the same schemes, and that what is wrong with a code is noticed.
 
-check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, mls, faults, failures, page, map,
-free, compare or asked. Silent when all is
-well.
+check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, mls, faults, strange, failures,
+page, map, free, compare or asked. Silent when all is well.
 """
 import csv
 import json
@@ -141,6 +140,43 @@ def check_faults():
         check(found["verdict"] == "undecided", f"{fault or words}: {found['verdict']}, {found['evidence']}")
         if certificate == "one side":
             check(found["probing"]["certificates"][certificate]["particle"] == CLAMPED[fault], f"{fault}: {found['probing']}")
+
+
+def check_strange():
+    """Codes whose single steps look well, and are not what their users run: the verdict is not that of another code."""
+    for fault, certificate in (("leapfrog", "two steps"), ("overstress", "two steps"), ("trips", "repeat"), ("half", "one side"),
+                               ("trips resets", "additivity")):  # what can be undone is seen as the switch that it is
+        for task, dt in (("symbol", "0.5"), ("spectrum", "0.5"), ("spectrum", "1.1")):
+            found = run(task, "-program", program("program_steps.py", "usl", fault), "-program_set", f"dt={dt}")
+            fails = [name for name, one in found["probing"]["certificates"].items() if not one["holds"]]
+            check(certificate in fails, f"{fault}, {task} {dt}: {found['probing']['certificates']}")
+            if fault != "trips resets":
+                check(fails == [certificate] or dt != "0.5", f"{fault}, {task}: {fails} fail")
+            if dt == "0.5" or certificate in ("two steps", "repeat"):  # growth by 3.6 is more than half a viscosity can make
+                check(found["verdict"] == "undecided", f"{fault}, {task} {dt}: {found['verdict']}, {found['evidence']}")
+    check_filters()
+
+
+def check_filters():
+    """Every seventh step has a filter S: growth is that of S A^7, by closed form, on any ranks and however steps are counted."""
+    run("spectrum", "-formulation", "usl", "-cells", "32", "-courant", "0.8", "-measure", "false", "-write_matrix", "scene.npz")
+    A, unit = scipy.sparse.load_npz("scene.npz").toarray(), numpy.eye(64)
+    filters = unit + 0.1 * (numpy.roll(unit, 1, 0) - 2 * unit + numpy.roll(unit, -1, 0))
+    S = numpy.kron(filters, numpy.diag([1, 0])) + numpy.kron(unit, numpy.diag([0, 1]))
+    right = max(abs(numpy.linalg.eigvals(S @ numpy.linalg.matrix_power(A, 7)))) ** (1 / 7)
+    check(abs(right - max(abs(numpy.linalg.eigvals(A)))) > 1e-3, f"the filter does not matter: {right}")
+    for words, ranks in (("filters", 1), ("filters unsaid", 2), ("afresh", 3), ("filters", 2)):
+        asked = ["-program", program("program_steps.py", "usl", words, "32"), "-program_set", "dt=0.8"]
+        found = run("spectrum", *asked, *(["-program_period", "7"] if (words, ranks) == ("filters", 2) else []), ranks=ranks)
+        check(found["probing"]["steps"] == 7, f"{words}: {found['probing']}")
+        check(all(one["holds"] for one in found["probing"]["certificates"].values()), f"{words}: {found['probing']}")
+        near(f"growth, {words}, {ranks} ranks", found["growth"], right, 1e-7)
+        check(found["verdict"] == "unstable", f"{words}: {found['verdict']}, {found['evidence']}")
+    found = run("spectrum", *asked, "-program_period", "5")
+    check(not found["probing"]["certificates"]["two steps"]["holds"], f"another period: {found['probing']}")
+    check(found["verdict"] == "undecided", f"another period: {found['verdict']}, {found['evidence']}")
+    said = run("spectrum", "-cells", "8", "-program_period", "7", status=2)
+    check("allowed: only with program or plugin" in said, f"a period of a scene: {said}")
 
 
 def runs(pid):
@@ -371,4 +407,4 @@ def check_asked():
         near(f"block {d}", abs(A - one[d]).max(), 0)
 
 
-{"page": check_page, "map": check_map, "free": check_free, "compare": check_compare, "asked": check_asked, "steps": check_steps, "mls": check_mls, "faults": check_faults, "failures": check_failures}[sys.argv[1]]()
+{"page": check_page, "map": check_map, "free": check_free, "compare": check_compare, "asked": check_asked, "steps": check_steps, "mls": check_mls, "faults": check_faults, "strange": check_strange, "failures": check_failures}[sys.argv[1]]()

@@ -15,7 +15,8 @@ from .hook import gather, numbers, probe, scatter
 __all__ = ["probe", "serve"]
 
 
-def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=None, name="mine", steps=1, any_count=False):
+def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=None, name="mine", steps=1, any_count=False,
+          reset=None):
     """Answers mpmstab until it has no more questions. What the code prints goes to standard error.
 
     step(state, **parameters) does one step: it changes the arrays of the state, or returns a dictionary of new ones.
@@ -25,6 +26,7 @@ def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=Non
     parameters: their values, {"dt": 1e-4}. mpmstab sets them.
     steps: after so many steps the state can be compared with the one before.
     any_count: the step takes any number of particles; it then gets numpy arrays made for it.
+    reset: called before each request for steps. It forgets all that the code keeps besides the state.
     """
     asked, answer = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
@@ -40,7 +42,8 @@ def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=Non
                 return
             if message["do"] == "describe":
                 head = {"protocol": 1, "name": name, "dim": dim, "cell_width": cell_width, "periodic": periodic or [None] * dim,
-                        "particles": len(base), "fields": described, "parameters": values, "steps": steps, "any_count": any_count}
+                        "particles": len(base), "fields": described, "parameters": values, "steps": steps, "any_count": any_count,
+                        "reset": reset is not None}
                 tail = base.tobytes()
             elif message["do"] == "set":
                 values.update({of: value for of, value in message.items() if of in values})
@@ -49,6 +52,8 @@ def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=Non
                 given = numpy.frombuffer(asked.read(8 * count * base.shape[1])).reshape(count, -1)
                 now = {of: numpy.empty((count, *a.shape[1:]), a.dtype) for of, a in kinds.items()} if any_count else state
                 scatter(now, given)
+                if message.get("reset"):
+                    reset()
                 for _ in range(message["steps"]):
                     now = step(now, **values) or now
                 tail = gather(now).tobytes()

@@ -242,24 +242,30 @@ class Hook:
         if self.asking is None:
             return False
         try:
-            self.asked = self.asking.send(None if self.asked is None else gather(state))
+            self.asked = self.asking.send(gather(state) if self.calls else None)
         except StopIteration:
             self.asking, self.asked = None, self.base
         except NotFinite:
             print(f"probe: the state after a step has a number that is not finite; {self.path} is not written", file=sys.stderr)
             self.asking, self.asked = None, self.base
-        scatter(state, self.asked)
+        if self.asked is not None:  # else the loop goes on from where it is
+            scatter(state, self.asked)
         return self.asking is not None
 
     def ask(self, amount):
         """Asks for a step from base + amount scales. Gives the perturbation as the code's numbers round it, and the answer."""
         asked = self.base + amount * self.scale
         asked = numpy.where(self.float, asked.astype(numpy.float32).astype(float), asked)
+        answer = yield from self.step(asked)
+        return asked - self.base, answer
+
+    def step(self, state):
+        """Lets the loop do a step from a state, or from where it is (None)."""
         self.calls += 1
-        answer = yield asked
+        answer = yield state
         if not numpy.isfinite(answer).all():
             raise NotFinite
-        return asked - self.base, answer
+        return answer
 
     def minus(self, one, other):
         """one - other; a particle that has crossed a period is where it would be without."""
@@ -287,22 +293,30 @@ class Hook:
         """Asks all that is to be asked, and writes the matrix."""
         still, single = numpy.zeros_like(self.base), self.float.any()
         rest = (yield from self.ask(still))[1]
-        again = (yield from self.ask(still))[1]
         if not self.scales.given.all():
             try:
                 yield from self.scales.search(self.measure)
             except NotFinite:
                 self.scales.fail()
-        repeat = self.largest(self.minus(rest, again))
+        given = numpy.random.default_rng(3).uniform(-self.size, self.size, self.base.shape)
+        first = (yield from self.ask(given))[1]
+        on = yield from self.step(None)
+        if (on == first).all() and (first != self.base).any():
+            raise RuntimeError(f"probe: no field moved in {self.calls} steps: is a copy registered?")
+        again = (yield from self.ask(still))[1]
+        anew = yield from self.step(first)
+        two_steps = self.largest(self.minus(on, anew))
         if self.bins:
-            yield from self.find_reach(rest, repeat)
+            yield from self.find_reach(rest, self.largest(self.minus(rest, again)))
         certificates, matrix, leaks = yield from self.columns(rest, self.bins)
         additivity = yield from self.check(matrix)
         if self.bins and (leaks > (1e-3 if single else 1e-6) or additivity > (0.05 if single else 1e-3)):
             certificates, matrix, leaks = yield from self.columns(rest, None)  # some particle reaches further than was seen
             additivity = yield from self.check(matrix)
-        moved, repeat = self.largest(self.minus(rest, self.base)), self.largest(self.minus(rest, again))
-        self.write(matrix, {"moved": moved, "repeat": repeat, **certificates, "additivity": additivity})
+        last = (yield from self.ask(given))[1]
+        repeat = max(self.largest(self.minus(rest, again)), self.largest(self.minus(first, last)))
+        self.write(matrix, {"moved": self.largest(self.minus(rest, self.base)), "repeat": repeat, "two_steps": two_steps, **certificates,
+                            "additivity": additivity})
 
     def find_reach(self, rest, repeat):
         """Perturbs the particle in the middle, number by number, and looks how far the answers come from."""
