@@ -573,6 +573,13 @@ static inline void mpmstab_begin_scales_(struct mpmstab_work *w, double h)
   }
 }
 
+static inline int mpmstab_finite_(const struct mpmstab_work *w, const double *state)
+{
+  for (long i = 0; i < w->particles * w->width; i++)
+    if (!(fabs(state[i]) <= 1.7976931348623157e308)) return 0;
+  return 1;
+}
+
 static inline void mpmstab_start_(mpmstab_hook *hook, double h)
 {
   struct mpmstab_work *w = hook->work;
@@ -599,16 +606,15 @@ static inline void mpmstab_start_(mpmstab_hook *hook, double h)
   memcpy(w->period, hook->period, sizeof w->period);
   w->cell = h;
   mpmstab_copy_(w, w->base, 0);
+  if (!mpmstab_finite_(w, w->base)) {
+    fprintf(
+        stderr,
+        "mpmstab_probe: the state of the first call has a number that is not finite: is it a copy that has gone?\n");
+    exit(2);
+  }
   mpmstab_begin_scales_(w, h);
   mpmstab_bins_(w, h);
   w->stage = MPMSTAB_REST;
-}
-
-static inline int mpmstab_finite_(const struct mpmstab_work *w, const double *state)
-{
-  for (long i = 0; i < w->particles * w->width; i++)
-    if (!(fabs(state[i]) <= 1.7976931348623157e308)) return 0;
-  return 1;
 }
 
 /* Comments from which mpmstab finds out whether all cells are alike. */

@@ -99,6 +99,34 @@ def shared(name, compiler, *sources, flags=()):
     run(compiler, "-O2", "-fPIC", "-shared", INCLUDE, *flags, "-o", name, *sources, "-lm")
 
 
+def check_fortran_refuses():
+    """A part of structures as a whole, of which compilers give a copy or a wrong address, what is no target, and copies."""
+    text = checks.text_of(CODE / "hook_structures.f90")
+    build = ["gfortran", "-o", "wrong", CODE / "bar.f90", CODE / "mpmstab_hook.f90", "wrong.f90", "mpmstab_probe.o", "-lm"]
+    for says, *changes in (("stress: it is a part of structures; needed: p(1)%stress", ("p(1)%stress, p(2)%stress, particles", "p%stress")),
+                           ("x: the second particle does not come after the first", ("p(1)%x, p(2)%x", "p(2)%x, p(1)%x")),
+                           ("no field moved in 5 steps: is a copy registered?", ("p(particles)", "p(particles), q(particles)"),
+                            ("integer :: k", "integer :: k\n    associate (p => q)"),
+                            ("    end do\n  end subroutine", "    end do\n    end associate\n  end subroutine")),
+                           ("is it a copy that has gone?", ("[v(i)], stress(i)", "[v(i)], transfer(-1_8, 1d0)"))):
+        pathlib.Path("wrong.f90").write_text(replaced(text, changes), encoding="ascii")
+        run(*build)
+        pathlib.Path("A.mtx").unlink(missing_ok=True)
+        done = subprocess.run(["./wrong"], capture_output=True, text=True, check=False)
+        check(done.returncode == 2 and says in done.stderr and not os.path.exists("A.mtx"), f"{says}: {done.returncode}, {done.stderr}")
+    pathlib.Path("wrong.f90").write_text(replaced(text, [("target :: p", ":: p")]), encoding="ascii")
+    done = subprocess.run([str(word) for word in build], capture_output=True, text=True, check=False)
+    check(done.returncode != 0 and "mpmstab_field" in done.stderr, f"what is no target is taken: {done.stderr}")
+
+
+def replaced(text, changes):
+    """A text with other words; each of them must be there."""
+    for old, new in changes:
+        check(old in text, f"there is no {old}")
+        text = text.replace(old, new, 1)
+    return text
+
+
 def languages():
     """The command of the hook for each language that is there."""
     run(CC, "-std=c11", "-Wall", "-Wextra", "-Werror", "-O2", INCLUDE, "-o", "hook_c", CODE / "hook.c", "-lm")
@@ -113,6 +141,10 @@ def languages():
         run("gfortran", "-Wall", "-Werror", "-o", "hook_f", CODE / "bar.f90", CODE / "mpmstab_hook.f90", CODE / "hook.f90",
             "mpmstab_probe.o", "-lm")
         found["Fortran"] = ["./hook_f"]
+        run("gfortran", "-Wall", "-Werror", "-o", "hook_s", CODE / "bar.f90", CODE / "mpmstab_hook.f90",
+            CODE / "hook_structures.f90", "mpmstab_probe.o", "-lm")
+        found["Fortran, structures"] = ["./hook_s"]
+        check_fortran_refuses()
     missing = {"C++", "Octave", "Fortran"} - set(found)
     if missing:
         print(f"not installed, and so not checked: {', '.join(sorted(missing))}")
@@ -352,12 +384,8 @@ def check_page():
 
 def edited(path, *changes):
     """A file with other words; each of them must be there."""
-    text = checks.text_of(path)
-    for old, new in changes:
-        check(old in text, f"{path} does not have {old}")
-        text = text.replace(old, new, 1)
     with open("edited.mtx", "w", encoding="ascii") as file:
-        file.write(text)
+        file.write(replaced(checks.text_of(path), changes))
     return "edited.mtx"
 
 
