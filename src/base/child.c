@@ -215,6 +215,7 @@ static void Launch(MpmChild *c, char *const words[])
     fflush(NULL);
     (void)sigfillset(&all);
     (void)sigprocmask(SIG_SETMASK, &all, &before);
+    (void)setenv("MPMSTAB_ASKS", "1", 1); /* an adapter may keep standard output free from its first line on */
     c->pid = fork();
     if (c->pid == 0) Watch(words, (const int(*)[2])pipes, report[1], life[0]);
     if (c->pid < 0) error = errno;

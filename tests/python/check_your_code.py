@@ -474,6 +474,13 @@ serve(step, {"x": x, "v": x, "stress": x}, cell_width=1, fields={"x": {"place": 
     near(code.step(code.base + 1), numpy.tile([33.0, 2, 1], 32), 0, "serve: 32 particles")
     check(code.ask({"do": "step", "steps": 2, "particles": 1}, numpy.ones(3).tobytes()) == {}, "serve: a particle")
     near(numpy.frombuffer(code.child.stdout.read(24)), numpy.array([3.0, 4, 1]), 0, "serve: a particle")
+    pathlib.Path("prints.py").write_text(f"""import os, sys
+sys.path.append({str(CODE)!r})
+from mpmstab.adapter import serve
+print("a library says what it is", flush=True)
+os.system("echo and what it starts does so, too")
+{checks.text_of(CODE / 'serve.py')}""", encoding="utf-8")
+    run(MPMSTAB, "spectrum", "-program", f"{sys.executable} prints.py", "-expect", "stable")
     code.set("dt", -1)
     check("dt is below 0" in code.ask({"do": "step", "steps": 1}, code.base.tobytes())["error"], "serve: an error")
     code.end()

@@ -15,9 +15,20 @@ from .hook import gather, numbers, probe, scatter
 __all__ = ["probe", "serve"]
 
 
+def take_output():
+    """Standard input and output for the answers alone. What else is printed goes to standard error."""
+    asked, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    return asked, answers
+
+
+# mpmstab says that it has started this program. Libraries that are imported later may then print what they like.
+TAKEN = take_output() if os.environ.pop("MPMSTAB_ASKS", None) else None
+
+
 def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=None, name="mine", steps=1, any_count=False,
           reset=None):
-    """Answers mpmstab until it has no more questions. What the code prints goes to standard error.
+    """Answers mpmstab until it has no more questions. What is printed after the import of this module goes to standard error.
 
     step(state, **parameters) does one step: it changes the arrays of the state, or returns a dictionary of new ones.
     cell_width, periodic: of the grid; a period or None for each direction.
@@ -28,8 +39,7 @@ def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=Non
     any_count: the step takes any number of particles; it then gets numpy arrays made for it.
     reset: called before each request for steps. It forgets all that the code keeps besides the state.
     """
-    asked, answer = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)
+    asked, answer = TAKEN or take_output()
     base, values = gather(state), dict(parameters or {})
     kinds = {of: numbers(array) for of, array in state.items()}
     described = [{"name": of, "size": a.size // len(a), **(fields or {}).get(of, {})} for of, a in kinds.items()]
