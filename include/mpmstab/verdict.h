@@ -19,12 +19,14 @@ extern const char *const MpmGrowthKindNames[];
                      c times the rounding of the matrix
    defective_error - the error of a defective eigenvalue at 1: rounding splits a defective pair by about the square root
                      of the rounding of the matrix; this is the growth per step that comes of it
+   lost            - what an uncertainty without bound comes of; NULL: rounding
    evidence        - says where growth comes from
 S*/
 typedef struct {
-  MpmVerdict verdict;
-  PetscReal  growth, tolerance, uncertainty, defective_error;
-  char       evidence[1024];
+  MpmVerdict  verdict;
+  PetscReal   growth, tolerance, uncertainty, defective_error;
+  const char *lost;
+  char        evidence[1024];
 } MpmFinding;
 
 /*

@@ -18,6 +18,7 @@
 #define SPREAD 10         /* times the tolerance: of two sizes, since growth itself is compared too */
 #define SPREAD_SINGLE 100
 #define MOVES_BY 1e-3       /* the share of a mode's growth by which the base state may move */
+#define NOISES 10           /* times noise, what certificates make of it */
 #define LASTS 10            /* times what noise makes of a response, its change is none */
 #define ANOTHER 0.01        /* a code whose answers change by more may be another one than it was */
 #define NORM_STEPS 20       /* of the power method */
@@ -47,6 +48,42 @@ const char *const MpmCertificateFaults[] = {"the code does not repeat itself",
                                             "the columns are not those of the whole state",
                                             "the scale of a field was not found (it can be declared)"};
 
+static const char *const cures[] = {
+    "answers differ from one time to the next: sum in a fixed order, and begin a solver anew in each step",
+    "the code keeps something besides its state: add it to the fields, or let it be forgotten before each request "
+    "(reset)",
+    "the step is strongly curved: give scales that are smaller",
+    "the step has switches near the base state (limiters, cut-offs, yield, small numbers that are set to 0): switch "
+    "them off",
+    "the base state is on a switch (contact, cut-off, yield, viscosity in compression only): switch it off, or "
+    "describe a state "
+    "beside it, such as one that is stretched by 1e-3",
+    "the base state moves: describe one at rest, or one that repeats itself in other cells",
+    "a step reaches farther: describe more cells (for quadratic splines with 2 particles a cell 7 each way)",
+    "particles feel what is far away, or the step has switches: probe all columns (-probe matrix_free)",
+    "declare the scale of each field: about the speed of waves for a velocity, the stiffness for a stress"};
+
+/* Whether noise in the answers explains a value. */
+static PetscBool IsNoise(const MpmCertificates *c, MpmCertificate which)
+{
+  return c->value[which] <= NOISES * c->noise ? PETSC_TRUE : PETSC_FALSE;
+}
+
+const char *MpmCertificatesCure(const MpmCertificates *c)
+{
+  MpmCertificate which = MpmCertificatesFault(c);
+
+  if (which == MPM_CERTIFICATES) return NULL;
+  if (which == MPM_CERTIFY_REPEAT && c->value[which] > ANOTHER) which = MPM_CERTIFY_COMPOSED;
+  if (which <= MPM_CERTIFY_COMPOSED) return cures[which];
+  if (which <= MPM_CERTIFY_ONE_SIDED && IsNoise(c, which))
+    return c->single ? "floats have too few digits for this: let the code compute in double precision"
+                     : "the tolerance of a solver, or rounding: give the solver a tolerance of 1e-12";
+  if (which == MPM_CERTIFY_SIZES && MpmCertificateFails(c, MPM_CERTIFY_ADDITIVITY)) which = MPM_CERTIFY_ADDITIVITY;
+  if (MpmCertificateFails(c, MPM_CERTIFY_ONE_SIDED)) which = MPM_CERTIFY_ONE_SIDED;
+  return cures[which];
+}
+
 PetscBool MpmCertificatesTaken(const MpmCertificates *c)
 {
   for (int i = 0; i < MPM_CERTIFICATES; i++)
@@ -70,6 +107,8 @@ PetscBool MpmCertificateFails(const MpmCertificates *c, MpmCertificate which)
 void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates *c)
 {
   c->tolerance = tolerance;
+  c->single    = single;
+  c->noise     = 0;
   c->cells     = 1;
   c->nfields   = 0;
   for (int i = 0; i < MPM_CERTIFICATES; i++) {
@@ -286,6 +325,7 @@ PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, const PetscBool 
 
   PetscFunctionBegin;
   MpmCertificatesBegin(p->single, tolerance, c);
+  c->noise = p->noise;
   p->apart = apart;
   for (PetscInt64 i = 0; i < p->stepper->particles * p->stepper->width; i++)
     coarsest = PetscMax(coarsest, Rounding(p, i, size));
@@ -418,6 +458,10 @@ PetscErrorCode MpmCertificatesJudge(const MpmCertificates *c, const PetscReal *o
   if (f->growth > 1 + f->tolerance)
     f->uncertainty =
         PetscMax(f->uncertainty, MpmUncertaintyOf(f->growth, condition * error / pow(f->growth, period), period));
+  f->lost    = MpmCertificateFails(c, MPM_CERTIFY_REPEAT) ? "answers that do not repeat themselves"
+               : !IsNoise(c, MPM_CERTIFY_SIZES)           ? "switches or curvature of the step"
+               : c->single                                ? "the rounding of floats"
+                                                          : "the tolerance of a solver, or rounding";
   f->verdict = MpmVerdictOf(f);
   if (other && f->verdict == MPM_UNSTABLE && !(*other - 1 > f->tolerance + f->uncertainty))
     PetscCall(MpmFindingDispute(f, "with the other size of perturbations it does not grow so"));
@@ -427,6 +471,7 @@ PetscErrorCode MpmCertificatesJudge(const MpmCertificates *c, const PetscReal *o
     if (!MpmCertificateFails(c, which)) continue;
     if (f->verdict == MPM_UNSTABLE && IsBeyond(c, which, condition, f)) continue;
     PetscCall(MpmFindingDispute(f, MpmCertificateFaults[which]));
+    if (which == MPM_CERTIFY_REPEAT) break; /* nothing else is of one code then */
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

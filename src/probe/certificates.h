@@ -56,12 +56,15 @@ typedef struct {
 /*S
    MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN. tolerance: the error of
    the operator that does not matter. most[c]: the unknown that shows it most, or MPM_NONE. cells: in so many cells may be
-   felt what is felt too far away. field: the scales that errors are relative to, nfields of them; none are known of a file
+   felt what is felt too far away. single: the code computes in single precision; noise: what two responses differ by because answers have an error that
+   does not get smaller with perturbations, as that of rounding or of a solver's tolerance. field: the scales that errors are relative to, nfields of them; none are known of a file
    without.
 S*/
 typedef struct MpmCertificates_ {
   PetscReal     value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES], tolerance;
   PetscInt64    most[MPM_CERTIFICATES], cells;
+  PetscBool     single;
+  PetscReal     noise;
   PetscInt      nfields;
   MpmFieldScale field[MPM_STEPPER_FIELDS];
 } MpmCertificates;
@@ -75,8 +78,12 @@ void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates
 PetscBool MpmCertificatesTaken(const MpmCertificates *certificates);
 PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificate which);
 
-/* Not collective. The first that does not hold, or MPM_CERTIFICATES. */
+/*
+   Not collective. The first that does not hold, or MPM_CERTIFICATES. MpmCertificatesCure: the reason, from all of them, and
+   what can be done; NULL if all hold.
+*/
 MpmCertificate MpmCertificatesFault(const MpmCertificates *certificates);
+const char    *MpmCertificatesCure(const MpmCertificates *certificates);
 
 /*
    MpmCertifyStep - takes those that need no operator: two steps, additivity, one side, equilibrium, scales. The others are

@@ -293,6 +293,9 @@ static PetscErrorCode ChooseSizes(MpmProbe *p)
   PetscCall(CompareParts(p, 0, differ, &bends, &at));
   for (int k = 0; k < SIZES - 1; k++)
     if (differ[k] < differ[best]) best = k;
+  p->noise = differ[SIZES - 2];
+  for (int k = 1; k < SIZES - 1; k++) /* of noise it is as the size is smaller */
+    if (differ[k] * sizes[p->single][k] < differ[k - 1] * sizes[p->single][k - 1] / 2) p->noise = 0;
   p->size  = sizes[p->single][best];
   p->other = sizes[p->single][best + 1];
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -23,13 +23,14 @@
    apart   - numbers of a particle that are not perturbed at random, and of which no response counts; NULL: none
    rest    - the state after steps from the base
    first   - the response to the first perturbation, of size least, before any that is larger
+   noise   - what responses to the smallest perturbations differ by, if larger ones make it smaller, as that of rounding; or 0
    composed - by how much steps in one request differ from requests of one step each, over the size of a perturbation
 S*/
 typedef struct {
   MpmStepper      *stepper;
   PetscInt         steps, shift[MPM_MAX_DIM];
   PetscBool        single;
-  PetscReal       *scale, near, size, other, least, *rest, *first, composed;
+  PetscReal       *scale, near, size, other, least, *rest, *first, composed, noise;
   const PetscBool *apart;
 } MpmProbe;
 

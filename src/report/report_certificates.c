@@ -19,6 +19,8 @@ void MpmReportCertificates(json_t *result, const MpmCertificates *of)
     MpmResultKeep(its, "%g{bound} %d{holds?}", of->bound[c], !MpmCertificateFails(of, c));
     if (MpmCertificateFails(of, c)) MpmPrint("  %-12s%s\n", "", MpmCertificateFaults[c]);
   }
+  if (MpmCertificatesCure(of))
+    MpmResultSay(result, "  what can be done: %s{what_can_be_done}\n", MpmCertificatesCure(of));
   if (of->nfields) MpmPrint("  relative to the fields' scales:");
   for (PetscInt f = 0; f < of->nfields; f++) {
     const MpmFieldScale *field = &of->field[f];

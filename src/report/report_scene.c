@@ -344,7 +344,7 @@ void MpmReportFinding(json_t *result, const MpmFinding *f, PetscReal condition)
   else if (!isnan(f->growth)) {
     MpmPrint(", growth - 1 = %.3g where %.3g is tolerated", f->growth - 1, f->tolerance);
     if (f->growth > 1 + f->tolerance && isinf(f->uncertainty))
-      MpmPrint("; that is lost to rounding");
+      MpmPrint("; that is lost to %s", f->lost ? f->lost : "rounding");
     else if (f->growth > 1 + f->tolerance && isfinite(condition))
       MpmPrint("; its eigenvalue, of condition %.3g, is known to %.1g", condition, f->uncertainty);
   }

@@ -99,6 +99,9 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
     MpmPrint("\n");
   else
     MpmReportProgram(p);
+  if (request->compare[0])
+    MpmPrint("  all cells are alike: symbol -compare does the same with %" PetscInt_FMT " calls\n",
+             4 * p->lattice.sites * p->stepper->width);
   if (request->at[0]) MpmPrint("the state after %" PetscInt_FMT " steps\n", at);
   PetscCall(MpmProgramMatrix(p, &A, &B));
   MpmReportProbed(one, p);

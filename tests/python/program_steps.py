@@ -14,7 +14,7 @@ import numpy
 
 PPC = 2
 FAULTS = ("stale", "drops", "clamp", "weak", "mean", "memory", "noise", "moves", "single", "leapfrog", "overstress", "trips",
-          "resets", "filters", "afresh", "half")
+          "resets", "filters", "afresh", "half", "solver")
 EVERY = 7  # steps
 
 
@@ -72,6 +72,8 @@ class Bar:
         strain = (0.5 if self.tripped else 1) * self.E * self.dt * gather(nodes, slopes)
         if self.fault == "drops":
             strain[abs(strain) < 1e-5] = 0
+        if self.fault == "solver":  # the tolerance of one
+            strain = numpy.round(strain, 6)
         s = s + strain
         x = (x + self.dt * gather(nodes, hats)) % self.cells
         if self.fault == "memory":
