@@ -330,7 +330,7 @@ static PetscErrorCode StepOften(MpmProbe *p, PetscInt each, const PetscReal stat
 }
 
 /*
-   By how much requests of some steps each differ from one request for all those steps, and the first of them from the same
+   differs: by how much requests of some steps each differ from one request for all those steps, and the first of them from the same
    one later, over the size of the perturbation that the state has. Of a code that counts its steps these begin at other
    numbers, unless each request has whole periods.
 */
@@ -352,6 +352,8 @@ static PetscErrorCode Compose(MpmProbe *p, PetscInt each, PetscReal *differs)
   PetscCall(PetscArraycpy(other, state, n));
   PetscCall(MpmStepperStep(s, each * requests, s->particles, other));
   *differs = PetscMax(*differs, MpmProbeDistance(p, other, now) / p->least);
+  if (s->failure[0]) *differs = NAN; /* it may have no answer to so many steps, and yet have others */
+  s->failure[0] = '\0';
   PetscCall(PetscFree4(state, first, now, other));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -368,17 +370,16 @@ static PetscErrorCode FindSteps(MpmProbe *p, PetscReal state[])
 
   PetscFunctionBegin;
   PetscCall(Compose(p, s->steps, &p->composed));
-  for (PetscInt each = 1; each < LATEST && s->steps == 1 && p->composed > CHANGES && !s->failure[0]; each++) {
+  for (PetscInt each = 1; each < LATEST && s->steps == 1 && p->composed > CHANGES; each++) {
     PetscCall(Compose(p, each, &differs));
-    if (differs > CHANGES * p->composed) continue;
+    if (!(differs <= CHANGES * p->composed)) continue;
     if (each == 1) break;
     s->steps    = each;
     s->changes  = PETSC_TRUE;
     p->composed = differs;
   }
-  PetscCall(MpmStepperAgree(s));
   PetscCallMPI(MPI_Bcast(&s->steps, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &p->composed, 1, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(&p->composed, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
   if (s->done % s->steps) {
     PetscCall(PetscArraycpy(state, s->base, s->particles * s->width));
     PetscCall(MpmStepperStep(s, s->steps - (PetscInt)(s->done % s->steps), s->particles, state));

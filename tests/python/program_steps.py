@@ -5,7 +5,7 @@ SCHEME is usl or musl, with flip; the bar is periodic, h = c = rho = 1. FAULT: w
 for the place, whose scale is the cell width, 1; with "unsaid" they are not declared. Of the codes that are strange without being wrong, "leapfrog" and
 "overstress" keep an acceleration and a stress that the state does not have, and lose them with every request; "trips" is
 softer for ever once v has been above 1e-3, or until it is told to forget that ("resets"); "filters" smooths v every seventh
-step of its life, "afresh" of each request; "half" has viscosity in compression alone.
+step of its life, "afresh" of each request; "half" has viscosity in compression alone. "tears" has no answer after two steps of a request.
 """
 import json
 import sys
@@ -14,7 +14,7 @@ import numpy
 
 PPC = 2
 FAULTS = ("stale", "drops", "clamp", "weak", "mean", "memory", "noise", "moves", "single", "leapfrog", "overstress", "trips",
-          "resets", "filters", "afresh", "half", "solver")
+          "resets", "filters", "afresh", "half", "solver", "tears")
 EVERY = 7  # steps
 
 
@@ -109,8 +109,8 @@ def main():
             bar.forget()
             bar.tripped = bar.tripped and not ask.get("reset")
             bar.count = 0 if fault == "afresh" else bar.count
-            for _ in range(ask["steps"]):
-                state = bar.step(state)
+            for step in range(ask["steps"]):
+                state = bar.step(state) * (numpy.nan if fault == "tears" and step > 1 else 1)
             data = state.tobytes()
         else:
             break
