@@ -66,9 +66,11 @@ typedef struct {
 } MpmSpan;
 
 /*S
-   MpmGiven - particles whose places a CSV file gives. Particle id is that of line id + 2; every rank has all of them.
+   MpmGiven - particles whose places a CSV file gives, or random numbers. Particle id of a file is that of line id + 2;
+   every rank has all of them.
 
    path      - the file
+   random    - the places are random; path is the word for it
    particles - how many there are
    column    - column[a]: the places along direction a, in cells; the others are those of the file, while it is read
    property  - their properties (MpmProperty), NULL: not there, so all have 1
@@ -81,7 +83,7 @@ typedef struct {
   char       path[1024], unused[256];
   PetscInt64 particles, *before[MPM_MAX_DIM];
   PetscReal *column[MPM_GIVEN_COLUMNS], *property[MPM_PROPERTIES];
-  PetscBool  has[3];
+  PetscBool  has[3], random;
 } MpmGiven;
 
 /*S

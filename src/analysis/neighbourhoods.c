@@ -21,6 +21,7 @@ static MpmNeighbourhood Nothing(MpmNeighbourhoodKind kind)
   MpmNeighbourhood one = {.kind = kind, .courant = NAN, .growth = NAN, .verdict = MPM_UNDECIDED};
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) one.place[a] = one.beta[a] = NAN;
+  for (PetscInt q = 0; q < MPM_QUANTILES; q++) one.quantile[q] = NAN;
   return one;
 }
 
@@ -144,8 +145,12 @@ static PetscErrorCode Alone(const MpmCriticalCase *of, MpmNeighbourhood *one)
 static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *request, PetscBool limits,
                                MpmNeighbourhood *one)
 {
-  MpmRandomLayouts layouts = {
-      .n = request->layouts, .seed = of->layout->seed, .voids = request->voids, .limits = limits};
+  const PetscBool  disordered = one->kind == MPM_DISORDERED ? PETSC_TRUE : PETSC_FALSE;
+  MpmRandomLayouts layouts    = {.n       = request->layouts,
+                                 .seed    = of->layout->seed,
+                                 .voids   = disordered ? 0 : request->voids,
+                                 .scatter = disordered,
+                                 .limits  = limits};
 
   PetscFunctionBegin;
   if (!HasOperator(of, one)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -159,6 +164,7 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
   one->evaluations = layouts.evaluations;
   one->windows     = layouts.windows;
   one->fades       = layouts.fades;
+  PetscCall(PetscArraycpy(one->quantile, layouts.quantile, MPM_QUANTILES));
   if (limits && isnan(one->courant)) one->why_not = "LAPACK did not converge";
   PetscFunctionReturn(PETSC_SUCCESS);
 }

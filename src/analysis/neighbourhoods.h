@@ -1,5 +1,6 @@
 /* Neighbourhoods: limits and growth where a particle may be, in the bulk, at a free surface, alone, among voids. */
 #pragma once
+#include "analysis/random_layouts.h"
 #include "scene/request.h"
 #include <mpmstab/critical.h>
 
@@ -19,15 +20,16 @@
    places, depth - where inside: places of the surface that were searched, and cells behind it where they were compared
    closed   - the limit is that of a closed form
    why_not  - says why courant is undecided; else NULL
-   layouts, unstable, undecided - of neighbourhood random; unstable and undecided at the scene's own Courant number
+   layouts, unstable, undecided - of neighbourhoods random and disordered; unstable and undecided at the scene's own Courant number
    worst_seed - the seed of the layout with the least limit, or with the largest growth where no limit was asked for
+   quantile - of disordered: as of MpmRandomLayouts
    evaluations, seconds - what the search took
    fades    - of random layouts: growth fades with the Courant number, so that courant is 0
    windows  - of growth below courant, in the bulk and of random layouts; see MpmCritical
 S*/
 typedef struct {
   MpmNeighbourhoodKind kind;
-  PetscReal            courant, growth, place[MPM_MAX_DIM], beta[MPM_MAX_DIM], seconds;
+  PetscReal            courant, growth, place[MPM_MAX_DIM], beta[MPM_MAX_DIM], quantile[MPM_QUANTILES], seconds;
   MpmVerdict           verdict;
   MpmWaveType          wave;
   PetscBool            approached, closed, inside, fades;

@@ -1,5 +1,5 @@
 /*
-   The nodal operator of a random layout with voids. A product of maps, P W, is made particle by particle:
+   The nodal operator of a random layout. A product of maps, P W, is made particle by particle:
 
      (P W)_ij = sum_p P_ip W_jp / m_i
 
@@ -11,6 +11,7 @@
 #include "analysis/search.h"
 #include "base/farm.h"
 #include "linalg/dense.h"
+#include "linalg/lapack_names.h"
 #include "operator/nodal.h"
 #include "program/maps.h"
 #include "scene/layout.h"
@@ -18,9 +19,12 @@
 
 #define LEAST 1e-6     /* Courant number below which no limit is sought */
 #define PRECISION 1e-7 /* relative, of a limit */
+#define REAL 1e-9      /* an eigenvalue with a smaller share of imaginary part is real but for rounding */
 #define MOST_WEIGHTS (MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH)
 
-static const PetscInt box[MPM_MAX_DIM] = {24, 6, 3}; /* cells along each direction, by dimension */
+const PetscInt MpmQuantiles[MPM_QUANTILES] = {5, 50, 95};
+
+const PetscInt MpmRandomBox[MPM_MAX_DIM] = {24, 6, 3};
 
 typedef struct {
   const MpmCriticalCase *of;
@@ -42,15 +46,17 @@ typedef struct {
   PetscInt        *evaluations;
 } Boxed;
 
-static MpmLayout BoxOf(const MpmLayout *from, PetscInt64 seed)
+/* Layout i. given: that of a layout with particles anywhere, else NULL; destroyed with MpmGivenDestroy. */
+static PetscErrorCode BoxOf(const Search *s, PetscInt i, MpmLayout *to)
 {
-  MpmLayout l = *from;
+  MpmLayout l = *s->of->layout;
 
-  l.seed  = seed;
+  PetscFunctionBegin;
+  l.seed  = s->asked->seed + i;
   l.sites = 1;
   if (l.jitter == 0) l.jitter = 1;
   for (PetscInt a = 0; a < l.dim; a++) {
-    const PetscInt cells = box[l.dim - 1];
+    const PetscInt cells = MpmRandomBox[l.dim - 1];
 
     l.grid[a]  = (MpmDirection){.cells = cells, .nodes = cells, .ends = {MPM_PERIODIC, MPM_PERIODIC}};
     l.first[a] = 0;
@@ -58,7 +64,12 @@ static MpmLayout BoxOf(const MpmLayout *from, PetscInt64 seed)
     l.sites *= l.row[a];
   }
   l.particles = l.sites;
-  return l;
+  if (s->asked->scatter && i % 2) {
+    PetscCall(MpmGivenCreateRandom(&l));
+    PetscCall(MpmGivenScatter(&l));
+  }
+  *to = l;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The nodes of a site's particle, and its weights there of a kind of map along an axis. Returns how many there are. */
@@ -150,10 +161,10 @@ static PetscErrorCode BoxedCreate(Search *search, PetscInt i, Boxed *b)
   const MpmNodalPlan *plan = search->plan;
 
   PetscFunctionBegin;
-  *b        = (Boxed){.search = search, .evaluations = &search->evaluations};
-  b->layout = BoxOf(search->of->layout, search->asked->seed + i);
-  b->nodes  = (PetscInt)MpmLayoutNodes(&b->layout);
-  b->n      = plan->nimages * b->nodes;
+  *b = (Boxed){.search = search, .evaluations = &search->evaluations};
+  PetscCall(BoxOf(search, i, &b->layout));
+  b->nodes = (PetscInt)MpmLayoutNodes(&b->layout);
+  b->n     = plan->nimages * b->nodes;
   PetscCall(PetscCalloc1(b->nodes, &b->mass));
   PetscCall(PetscMalloc4(b->n * b->n, &b->matrix, b->n, &b->re, b->n, &b->im, plan->degree + 1, &b->coefficient));
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(b->n * b->n, &b->coefficient[j]));
@@ -168,6 +179,7 @@ static PetscErrorCode BoxedDestroy(Boxed *b)
   for (PetscInt j = 0; j <= b->search->plan->degree; j++) PetscCall(PetscFree(b->coefficient[j]));
   PetscCall(PetscFree4(b->matrix, b->re, b->im, b->coefficient));
   PetscCall(PetscFree(b->mass));
+  PetscCall(MpmGivenDestroy(&b->layout.given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -283,6 +295,92 @@ static PetscErrorCode ScanForLimit(Search *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- the limit of each layout, where growth has real eigenvalues below -1 alone ---- */
+
+/*
+   The limit of an operator C_0 + x C_1, x = k^stride: the least x > 0 at which it has the eigenvalue -1. The eigenvalues of
+   (C_0 + 1)^-1 C_1 are -1 / x. NaN where LAPACK failed.
+*/
+static PetscErrorCode LinearLimit(Boxed *b, PetscReal *limit)
+{
+  const PetscInt n = b->n, stride = b->search->plan->stride;
+  PetscReal     *ahead, least     = 0;
+  PetscBLASInt   order, info, *pivot;
+  int            failed;
+
+  PetscFunctionBegin;
+  PetscCall(PetscBLASIntCast(n, &order));
+  PetscCall(PetscMalloc2(n * n, &ahead, n, &pivot));
+  for (PetscInt i = 0; i < n * n; i++) {
+    ahead[i]     = creal(b->coefficient[0][i]) + (i % (n + 1) ? 0 : 1);
+    b->matrix[i] = creal(b->coefficient[1][i]);
+  }
+  ++*b->evaluations;
+  PetscCallBLAS("LAPACKgetrf", LAPACKgetrf_(&order, &order, ahead, &order, pivot, &info));
+  if (!info)
+    PetscCallBLAS("LAPACKgetrs", LAPACKgetrs_("N", &order, &order, ahead, &order, pivot, b->matrix, &order, &info));
+  failed = info;
+  if (!failed) PetscCall(MpmDenseEigen(n, b->matrix, b->re, b->im, NULL, &failed));
+  for (PetscInt i = 0; i < n && !failed; i++)
+    if (fabs(b->im[i]) <= REAL * fabs(b->re[i])) least = PetscMin(least, b->re[i]);
+  PetscCall(PetscFree2(ahead, pivot));
+  *limit = failed ? NAN : least < 0 ? pow(-1 / least, 1.0 / stride) : INFINITY;
+  if (*limit > MPM_CRITICAL_TO) *limit = INFINITY;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same by halving. */
+static PetscErrorCode HalvedLimit(Boxed *b, PetscReal *limit)
+{
+  PetscReal bracket[2] = {LEAST, MPM_CRITICAL_TO}, growth, middle = bracket[1];
+
+  PetscFunctionBegin;
+  do {
+    PetscCall(Growth(b, middle, &growth));
+    bracket[growth <= 1 + b->search->of->tolerance ? 0 : 1] = middle;
+    middle                                                  = sqrt(bracket[0] * bracket[1]);
+  } while (!isnan(growth) && bracket[1] > bracket[0] * (1 + PRECISION));
+  *limit = isnan(growth) ? NAN : bracket[0] >= MPM_CRITICAL_TO ? INFINITY : bracket[0];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode LimitOf(void *context, PetscInt i)
+{
+  Search *s = (Search *)context;
+  Boxed   b;
+
+  PetscFunctionBegin;
+  PetscCall(BoxedCreate(s, i, &b));
+  PetscCall(s->plan->degree == 1 ? LinearLimit(&b, &s->growth[i]) : HalvedLimit(&b, &s->growth[i]));
+  PetscCall(BoxedDestroy(&b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The least limit and the quantiles of all. Where one is not known none of these is. */
+static PetscErrorCode FindLimits(Search *s)
+{
+  MpmRandomLayouts *asked = s->asked;
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(s->growth, asked->n));
+  PetscCall(MpmFarm("layout", asked->n, LimitOf, s));
+  PetscCall(MpmFarmSumReals(asked->n, s->growth));
+  asked->courant = INFINITY;
+  for (PetscInt i = 0; i < asked->n; i++) {
+    if (isnan(s->growth[i])) {
+      asked->courant = NAN;
+      PetscFunctionReturn(PETSC_SUCCESS);
+    }
+    if (!(s->growth[i] < asked->courant)) continue;
+    asked->courant = s->growth[i];
+    asked->worst   = asked->seed + i;
+  }
+  PetscCall(PetscSortReal(asked->n, s->growth));
+  for (PetscInt q = 0; q < MPM_QUANTILES; q++)
+    asked->quantile[q] = s->growth[(MpmQuantiles[q] * asked->n + 99) / 100 - 1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Halves a bracket of the least limit. Below it no layout grows, and above it those that are looked at do. */
 static PetscErrorCode FindLimit(Search *s)
 {
@@ -293,6 +391,10 @@ static PetscErrorCode FindLimit(Search *s)
   for (PetscInt i = 0; i < s->asked->n; i++) s->looks[i] = PETSC_TRUE;
   if (!MpmLeftmostDecides(s->of->layout, s->of->scheme, &s->of->step)) {
     PetscCall(ScanForLimit(s));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (s->asked->scatter) {
+    PetscCall(FindLimits(s));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(GrowthOfAll(s, bracket[1], &grows));
@@ -343,6 +445,7 @@ PetscErrorCode MpmRandomLayoutsFind(const MpmCriticalCase *of, MpmRandomLayouts 
   asked->courant  = NAN;
   asked->worst    = asked->seed;
   asked->unstable = asked->undecided = 0;
+  for (PetscInt q = 0; q < MPM_QUANTILES; q++) asked->quantile[q] = NAN;
   PetscCall(PetscMalloc2(asked->n, &s.growth, asked->n, &s.looks));
   PetscCall(FindGrowth(&s));
   if (asked->limits) PetscCall(FindLimit(&s));

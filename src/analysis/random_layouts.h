@@ -1,12 +1,17 @@
-/* Random layouts with voids: which share of them grows, and the least of their limits. */
+/* Random layouts: which share of them grows, and the least and the quantiles of their limits. */
 #pragma once
 #include <mpmstab/critical.h>
+
+#define MPM_QUANTILES 3 /* 5, 50 and 95 % */
+extern const PetscInt MpmQuantiles[MPM_QUANTILES];
+extern const PetscInt MpmRandomBox[MPM_MAX_DIM]; /* cells of the box along each direction, by dimension */
 
 /*S
    MpmRandomLayouts - what is asked of n layouts, and what was found.
 
    n, seed - the number of layouts; layout i is hashed from seed + i
    voids   - the share of sites without a particle
+   scatter - every second layout has its particles anywhere in the box, as layout random has them
    limits  - whether limits are sought
    growth  - the largest at the case's own Courant number; NaN: it is not known of some layout
    courant - the least limit: 0 where that layout grows at every Courant number; infinite where there is none; NaN: it is
@@ -15,14 +20,15 @@
    worst   - the seed of the layout with the least limit, or else of that with the largest growth
    evaluations - the number of times that growth was computed, on all ranks
    windows - as of MpmCritical: where some layout grows below courant
+   quantile - the limits below which a share MPM_QUANTILES of layouts has its own, by rank; NaN: not known or not asked for
    fades   - there is no threshold: growth fades with the Courant number, and courant is 0
 S*/
 typedef struct {
   PetscInt   n;
   PetscInt64 seed;
   PetscReal  voids;
-  PetscBool  limits;
-  PetscReal  growth, courant;
+  PetscBool  scatter, limits;
+  PetscReal  growth, courant, quantile[MPM_QUANTILES];
   PetscInt   unstable, undecided;
   PetscInt64 worst, evaluations;
   PetscBool  fades;

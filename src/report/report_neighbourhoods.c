@@ -4,7 +4,7 @@
 #include "report/results.h"
 #include <math.h>
 
-#define ROOM 192  /* of a reason */
+#define ROOM 256  /* of a reason */
 #define LONG 1e-6 /* the square of the phase of a wave that is taken for endless */
 
 /* Whether some direction has a value. */
@@ -70,6 +70,31 @@ static void RandomText(const MpmScene *s, const MpmRequest *request, const MpmNe
   if (one->fades) MpmTextJoin(text, ", growth only fades towards Courant number 0", room);
 }
 
+/* The quantiles, and what makes the worst of the layouts again. */
+static void DisorderedText(const MpmScene *s, const MpmNeighbourhood *one, size_t room, char text[])
+{
+  const PetscBool scattered = (one->worst_seed - s->layout.seed) % 2 ? PETSC_TRUE : PETSC_FALSE;
+  char            part[96]  = "";
+
+  text[0] = '\0';
+  if (!isnan(one->quantile[0])) {
+    (void)snprintf(part, sizeof part, "5, 50, 95%% of layouts up to %.4g, %.4g, %.4g; ", one->quantile[0],
+                   one->quantile[1], one->quantile[2]);
+    MpmTextJoin(text, part, room);
+  }
+  (void)snprintf(part, sizeof part, "the worst of %" PetscInt_FMT " layouts, -cells %" PetscInt_FMT, one->layouts,
+                 MpmRandomBox[s->layout.dim - 1]);
+  MpmTextJoin(text, part, room);
+  if (scattered)
+    (void)snprintf(part, sizeof part, " -layout random -seed %" PetscInt64_FMT, one->worst_seed);
+  else
+    (void)snprintf(part, sizeof part, " -jitter %.4g -seed %" PetscInt64_FMT,
+                   s->layout.jitter > 0 ? s->layout.jitter : 1, one->worst_seed);
+  MpmTextJoin(text, part, room);
+  (void)snprintf(part, sizeof part, "; %" PetscInt_FMT " grow at %.6g", one->unstable, s->step.courant);
+  if (MpmSceneHasStep(s)) MpmTextJoin(text, part, room);
+}
+
 static void ReasonText(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhood *one, size_t room,
                        char text[])
 {
@@ -80,6 +105,8 @@ static void ReasonText(const MpmScene *s, const MpmRequest *request, const MpmNe
     (void)snprintf(text, room, "%s", one->why_not);
   else if (one->kind == MPM_AT_RANDOM)
     RandomText(s, request, one, room, text);
+  else if (one->kind == MPM_DISORDERED)
+    DisorderedText(s, one, room, text);
   else if (isinf(one->courant))
     (void)snprintf(text, room, "%s", "no Courant number is unstable");
   else if (one->kind != MPM_IN_BULK)
@@ -98,12 +125,18 @@ static void NumberText(PetscReal value, const char infinite[], size_t room, char
     (void)snprintf(text, room, "%.6g", value);
 }
 
+/* Of the column of names. */
+static int Width(const MpmRequest *request)
+{
+  return request->neighbourhood[MPM_DISORDERED] ? 10 : 8;
+}
+
 /* A line: the limit and the time step, or the growth; then the reason. */
 static void PrintLine(const MpmScene *s, const MpmRequest *request, PetscBool limits, const MpmNeighbourhood *one)
 {
   char number[24], reason[ROOM];
 
-  MpmPrint("%-8s", MpmNeighbourhoodNames[one->kind]);
+  MpmPrint("%-*s", Width(request), MpmNeighbourhoodNames[one->kind]);
   if (limits) {
     NumberText(one->courant, "none", sizeof number, number);
     MpmPrint(" %-11s", number);
@@ -122,11 +155,12 @@ static void PrintLine(const MpmScene *s, const MpmRequest *request, PetscBool li
 /* The neighbourhood as the subject of a sentence. */
 static const char *Subject(MpmNeighbourhoodKind kind)
 {
-  static const char *const said[] = {[MPM_IN_BULK]   = "the bulk",
-                                     [MPM_AT_EDGE]   = "an edge",
-                                     [MPM_AT_CORNER] = "a corner",
-                                     [MPM_ALONE]     = "a lone particle",
-                                     [MPM_AT_RANDOM] = "a random layout with voids"};
+  static const char *const said[] = {[MPM_IN_BULK]    = "the bulk",
+                                     [MPM_AT_EDGE]    = "an edge",
+                                     [MPM_AT_CORNER]  = "a corner",
+                                     [MPM_ALONE]      = "a lone particle",
+                                     [MPM_AT_RANDOM]  = "a random layout with voids",
+                                     [MPM_DISORDERED] = "a disordered layout"};
 
   return said[kind];
 }
@@ -198,6 +232,9 @@ static void Keep(json_t *result, const MpmScene *s, PetscBool limits, const MpmN
   if (one->why_not) MpmResultKeep(result, "%s{undecided}", one->why_not);
   if (one->layouts)
     MpmResultKeep(result, "%" PetscInt_FMT "{layouts} %" PetscInt64_FMT "{worst_seed}", one->layouts, one->worst_seed);
+  if (!isnan(one->quantile[0]))
+    MpmResultKeep(result, "%g{quantiles.5} %g{quantiles.50} %g{quantiles.95}", one->quantile[0], one->quantile[1],
+                  one->quantile[2]);
   if (one->layouts && grows)
     MpmResultKeep(result, "%" PetscInt_FMT "{unstable} %g{share}", one->unstable,
                   (PetscReal)one->unstable / (PetscReal)one->layouts);
@@ -210,7 +247,7 @@ void MpmNeighbourhoodsReport(json_t *result, const MpmScene *s, const MpmRequest
   const PetscInt worst  = !limits ? all->fastest : isnan(all->courant) ? MPM_NONE : all->least;
   PetscBool      places = PETSC_FALSE;
 
-  MpmPrint("\nwhere    %-11s%s reason\n", limits ? "limit" : "growth",
+  MpmPrint("\n%-*s %-11s%s reason\n", Width(request), "where", limits ? "limit" : "growth",
            limits && MpmSceneIsPhysical(s) ? " time step   " : "");
   for (PetscInt i = 0; i < all->n; i++) {
     const MpmNeighbourhood *one = &all->of[i];
@@ -218,7 +255,7 @@ void MpmNeighbourhoodsReport(json_t *result, const MpmScene *s, const MpmRequest
 
     PrintLine(s, request, limits, one);
     Keep(its, s, limits, one);
-    MpmReportWindows(its, 9, limits ? one->courant : 0, &one->windows);
+    MpmReportWindows(its, Width(request) + 1, limits ? one->courant : 0, &one->windows);
     if (Has(s->layout.dim, one->place)) places = PETSC_TRUE;
   }
   if (worst != MPM_NONE)

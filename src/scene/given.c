@@ -183,7 +183,8 @@ static PetscErrorCode Open(const char path[], Reader *r)
   if (MpmRankOf(PETSC_COMM_WORLD) == 0) {
     r->stream = MpmFileOpen(path, &error);
     if (!r->stream)
-      (void)snprintf(r->why, sizeof r->why, "%s; allowed: uniform, or a CSV file of particles", MpmFileReason(error));
+      (void)snprintf(r->why, sizeof r->why, "%s; allowed: uniform, random, or a CSV file of particles",
+                     MpmFileReason(error));
     if (r->stream) Count(r);
     if (r->stream && !r->why[0]) ReadHeader(r);
   }
@@ -215,8 +216,12 @@ PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene
   PetscFunctionBegin;
   scene->layout.name = "uniform";
   if (!strcasecmp(path, scene->layout.name)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!strcasecmp(path, MPM_LAYOUT_RANDOM)) { /* they are placed when it is known how many there are */
+    PetscCall(MpmGivenCreateRandom(&scene->layout));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   MpmSettingsRefuseIf(!*path || strlen(path) >= sizeof given->path, settings, "layout",
-                      "allowed: uniform, or the name of a CSV file of particles");
+                      "allowed: uniform, random, or the name of a CSV file of particles");
   PetscCall(Open(path, &r));
   if (!r.why[0]) {
     PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, path,
@@ -257,7 +262,47 @@ PetscErrorCode MpmGivenDestroy(MpmGiven **given)
 
 /* ---- in the scene's grid ---- */
 
-/* Turns the places along a direction into cells, and counts the particles before each cell. */
+/* The particles before each cell of a direction. Places are in cells. */
+static PetscErrorCode CountAlong(const MpmLayout *layout, PetscInt a)
+{
+  const PetscInt cells  = layout->grid[a].cells;
+  PetscInt64    *before = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(cells + 1, &before));
+  for (PetscInt64 id = 0; id < layout->given->particles; id++)
+    before[PetscMin((PetscInt)layout->given->column[a][id], cells - 1) + 1]++;
+  for (PetscInt c = 0; c < cells; c++) before[c + 1] += before[c];
+  layout->given->before[a] = before;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGivenCreateRandom(MpmLayout *layout)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&layout->given));
+  layout->given->random = PETSC_TRUE;
+  PetscCall(PetscStrncpy(layout->given->path, MPM_LAYOUT_RANDOM, sizeof layout->given->path));
+  layout->name = layout->given->path;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmGivenScatter(MpmLayout *layout)
+{
+  MpmGiven *given = layout->given;
+
+  PetscFunctionBegin;
+  given->particles = layout->sites;
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    PetscCall(PetscMalloc1(given->particles, &given->column[a]));
+    for (PetscInt64 id = 0; id < given->particles; id++)
+      given->column[a][id] = layout->grid[a].cells * MpmHash(MpmLayoutSeed(layout, a), id);
+    PetscCall(CountAlong(layout, a));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Turns the places of a file along a direction into cells. */
 static PetscErrorCode PlaceAlong(const MpmScene *scene, PetscInt a)
 {
   MpmGiven       *given = scene->layout.given;
@@ -265,7 +310,6 @@ static PetscErrorCode PlaceAlong(const MpmScene *scene, PetscInt a)
   const PetscReal width = scene->cell_width;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(cells + 1, &given->before[a]));
   for (PetscInt64 id = 0; id < given->particles; id++) {
     const PetscReal x = given->column[a][id] / width;
 
@@ -274,9 +318,8 @@ static PetscErrorCode PlaceAlong(const MpmScene *scene, PetscInt a)
                   "(-length, -cell_width and -cells say how long the domain is)",
                   given->path, id + 2, names[a], given->column[a][id], scene->length[a]);
     given->column[a][id] = x;
-    given->before[a][PetscMin((PetscInt)x, cells - 1) + 1]++;
   }
-  for (PetscInt c = 0; c < cells; c++) given->before[a][c + 1] += given->before[a][c];
+  PetscCall(CountAlong(&scene->layout, a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -354,8 +397,8 @@ PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scen
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(of_sites); i++)
     PetscCall(MpmSettingsRefuseUnless(settings, of_sites[i], "layout",
-                                      "the particles are those of the file layout; allowed: without layout"));
-  if (!scene->scheme.basis->wide)
+                                      "the particles are those of the option layout; allowed: without layout"));
+  if (!scene->scheme.basis->wide && !given->random)
     PetscCall(MpmSettingsRefuseUnless(settings, "ppc", "layout",
                                       "the particles are those of the file layout; allowed: with basis gimp, where "
                                       "1 / ppc is the width of a particle, or without layout"));
@@ -363,8 +406,15 @@ PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scen
                 "layout %s: its particles are at rest and have no stretch; allowed: without kinematics finite",
                 given->path);
   PetscCall(CheckPoisson(scene));
+  if (given->random) {
+    PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, l,
+                                   (PetscReal)l->sites * sizeof(PetscReal) * (l->dim + MPM_PROPERTIES) *
+                                       MpmRanksOf(PETSC_COMM_WORLD),
+                                   "a copy of the particles on each rank"));
+    PetscCall(MpmGivenScatter(l));
+  }
   for (PetscInt a = 0; a < l->dim; a++) {
-    PetscCall(PlaceAlong(scene, a));
+    if (!given->random) PetscCall(PlaceAlong(scene, a));
     l->row[a] = given->particles;
   }
   l->sites = l->particles = given->particles;
@@ -389,9 +439,12 @@ void MpmGivenPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], Pets
 
 void MpmGivenText(const MpmGiven *given, size_t room, char text[])
 {
-  (void)snprintf(text, room, "%s; %s; %s%s%s",
-                 given->has[0] ? "volumes of the file" : "volume of each: the domain's over the number of particles",
-                 given->has[1] ? "masses of the file" : "mass: density times volume",
-                 given->has[2] ? "young of the file" : "moduli of the options", given->unused[0] ? "; not used: " : "",
-                 given->unused);
+  if (given->random)
+    (void)snprintf(text, room, "%" PetscInt64_FMT " particles anywhere in the domain, by -seed", given->particles);
+  else
+    (void)snprintf(text, room, "%s; %s; %s%s%s",
+                   given->has[0] ? "volumes of the file" : "volume of each: the domain's over the number of particles",
+                   given->has[1] ? "masses of the file" : "mass: density times volume",
+                   given->has[2] ? "young of the file" : "moduli of the options",
+                   given->unused[0] ? "; not used: " : "", given->unused);
 }

@@ -69,8 +69,7 @@ static PetscInt64 Number(const MpmLayout *layout, const PetscInt64 site[])
   return number;
 }
 
-/* The seed of the jitter in a direction, and of voids, for which axis is MPM_MAX_DIM. */
-static PetscInt64 SeedOf(const MpmLayout *layout, PetscInt axis)
+PetscInt64 MpmLayoutSeed(const MpmLayout *layout, PetscInt axis)
 {
   return axis == 0 ? layout->seed : (PetscInt64)(0x1p52 * MpmHash(layout->seed + 1, -MPM_MAX_FIELDS - 2 - axis));
 }
@@ -80,7 +79,7 @@ PetscBool MpmLayoutIsVoid(const MpmLayout *layout, PetscInt64 id, PetscReal shar
   PetscInt64 site[MPM_MAX_DIM];
 
   MpmLayoutSites(layout, id, site);
-  return MpmHash(SeedOf(layout, MPM_MAX_DIM), Number(layout, site)) < share ? PETSC_TRUE : PETSC_FALSE;
+  return MpmHash(MpmLayoutSeed(layout, MPM_MAX_DIM), Number(layout, site)) < share ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* The resting place of particle j of the count in cell n of a direction. number: of the site. */
@@ -96,7 +95,7 @@ static void PlaceAlong(const MpmLayout *layout, PetscInt axis, PetscInt n, Petsc
     /* rounded once, so that a position that should meet a node meets it exactly */
     place = (PetscReal)(j * offset->den + offset->num) / (PetscReal)(count * offset->den);
   else {
-    const PetscReal displacement = layout->jitter * (MpmHash(SeedOf(layout, axis), number) - 0.5);
+    const PetscReal displacement = layout->jitter * (MpmHash(MpmLayoutSeed(layout, axis), number) - 0.5);
     place                        = (j + offset->value + displacement) / count;
   }
   if (part[1] - part[0] < 1) place = part[0] + (part[1] - part[0]) * place;

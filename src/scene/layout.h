@@ -35,6 +35,20 @@ void MpmLayoutSites(const MpmLayout *layout, PetscInt64 id, PetscInt64 site[]);
 */
 void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], PetscReal xi[]);
 
+#define MPM_LAYOUT_RANDOM "random" /* the word of the option layout */
+
+/*
+   MpmGivenCreateRandom - gives a layout particles with random places. MpmGivenScatter - places as many as it has sites:
+   particle id is at cells times hash(seed', id) along a direction, with the seed' of jitter (docs/theory.md, section 1).
+
+   Not collective.
+*/
+PetscErrorCode MpmGivenCreateRandom(MpmLayout *layout);
+PetscErrorCode MpmGivenScatter(MpmLayout *layout);
+
+/* Not collective. The seed of jitter and random places in a direction, and of voids, for which axis is MPM_MAX_DIM. */
+PetscInt64 MpmLayoutSeed(const MpmLayout *layout, PetscInt axis);
+
 /*
    MpmGivenPlace - MpmLayoutPlace for the particles of a file. MpmGivenText - what of them is the file's, and what is not.
    MpmGivenDestroy - frees them.

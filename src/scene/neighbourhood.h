@@ -7,6 +7,7 @@
 /*E
    MpmNeighbourhoodKind - MPM_IN_BULK: the scene as it is. MPM_AT_EDGE: a half-space of its lattice; MPM_AT_CORNER: a
    quarter-space. Their free surfaces go through the grid. MPM_ALONE: one particle. MPM_AT_RANDOM: layouts with voids.
+   MPM_DISORDERED: random layouts of as many particles as the lattice has.
 E*/
 typedef enum {
   MPM_IN_BULK,
@@ -14,6 +15,7 @@ typedef enum {
   MPM_AT_CORNER,
   MPM_ALONE,
   MPM_AT_RANDOM,
+  MPM_DISORDERED,
   MPM_NEIGHBOURHOODS
 } MpmNeighbourhoodKind;
 

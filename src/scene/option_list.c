@@ -95,7 +95,7 @@ WHEN(HasLayout, in == MPM_IN_FILE || s->layout.given)
 WHEN(HasOffset, in != MPM_IN_JSON || !IsCentred(&s->layout))
 WHEN(HasJitter, in != MPM_IN_JSON || s->layout.jitter != 0)
 /* the seed decides where particles are, and for a run also what random data it starts from */
-WHEN(HasSeed, in == MPM_IN_FILE || s->layout.jitter != 0 || (in == MPM_IN_CHECKPOINT && s->initial == MPM_INITIAL_RANDOM))
+WHEN(HasSeed, in == MPM_IN_FILE || MpmLayoutIsScattered(&s->layout) || (in == MPM_IN_CHECKPOINT && s->initial == MPM_INITIAL_RANDOM))
 WHEN(HasCounts, in != MPM_IN_JSON || s->layout.counts.n > 1)
 WHEN(HasCluster, in != MPM_IN_JSON || s->layout.cluster[1] - s->layout.cluster[0] < 1)
 WHEN(HasMaterial, in != MPM_IN_JSON || s->layout.material.kind != MPM_MATERIAL_UNIFORM)
@@ -182,7 +182,7 @@ const MpmField MpmOptions[] = {
    BETWEEN(1, 1000000), .rival = "counts", MADE(AS_COUNT, layout.ppc[0]), .each = STRIDE(layout.ppc[0]), IN(12, 7, 0, 6)},
   {"counts", MPM_LIST, NULL, "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc",
    BETWEEN(0, 1000000), .rival = "ppc", MADE(AS_COUNTS, layout.counts), IN(26, 16, 8, 7), SHOWN(HasCounts)},
-  {"layout", MPM_PATH, "uniform", "where particles start: uniform (from offset, displaced by jitter), or a CSV file with a header x[,y,z] and optional volume, mass, young, poisson, and a line for each particle, in the units of length",
+  {"layout", MPM_PATH, "uniform", "where particles start: uniform (from offset, displaced by jitter), random (anywhere, hashed from seed), or a CSV file with a header x[,y,z] and optional volume, mass, young, poisson, and a line for each particle, in the units of length",
    NO_RANGE, TEXT(LayoutOf), IN(4, 76, 70, 54), SHOWN(HasLayout), READS},
   {"offset", MPM_FRACTION, "0.5", "start of the first particle, in particle spacings",
    BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), EACH(AS_FRACTION, layout.offset, layout.offset[0]), IN(9, 13, 9, 13), SHOWN(HasOffset)},
@@ -360,7 +360,7 @@ const MpmField MpmOptions[] = {
    BETWEEN(0, 1000), .tasks = "critical", ASKED(AS_COUNT, step_bound_sweeps)},
   {"voids", MPM_REAL, "0.75", "neighbourhood random: share of the sites that have no particle",
    BETWEEN(0, 0.99), .tasks = "critical, spectrum", ASKED(AS_REAL, voids)},
-  {"layouts", MPM_INTEGER, NULL, "random layouts: of seed and the seeds after it (default: 100 of ensemble, 20 of neighbourhood random)",
+  {"layouts", MPM_INTEGER, NULL, "random layouts: of seed and the seeds after it (default: 100 of ensemble, 20 of neighbourhoods random and disordered)",
    BETWEEN(1, 1000000), .tasks = "ensemble, critical, spectrum", ASKED(AS_COUNT, layouts)},
   {"output", MPM_PATH, NULL, "HDF5 file: of run, particles and nodes, with an .xmf beside it; else spectrum, symbol or map",
    NO_RANGE, FILE_IN(output), .tasks = "run, spectrum, symbol, map", OF_MATRIX, WRITES(".h5 or .hdf5")},

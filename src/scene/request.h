@@ -91,7 +91,7 @@ extern const char *const MpmTangentNames[];
    at_step           - at kinematics finite, the step of the run whose tangent spectrum takes
    survey            - whether critical goes through all schemes
    neighbourhood     - those that critical and spectrum look at
-   layouts           - how many random layouts an ensemble, or neighbourhood random, has
+   layouts           - how many random layouts an ensemble, or neighbourhood random or disordered, has
    voids             - the share of sites without a particle in neighbourhood random
    damping, ndivisors, divisors - whether symbol also finds how waves are damped, and by what it divides the time step
    axes              - of a map

@@ -4,9 +4,9 @@
 
 #define ALL MPM_NEIGHBOURHOODS /* the word after those of the kinds */
 #define MANY_LAYOUTS 100       /* of an ensemble, when the option layouts is not given */
-#define SOME_LAYOUTS 20        /* of neighbourhood random, whose limits are sought too */
+#define SOME_LAYOUTS 20        /* of neighbourhoods random and disordered, whose limits are sought too */
 
-const char *const MpmNeighbourhoodNames[] = {"bulk", "edge", "corner", "lone", "random", "all", NULL};
+const char *const MpmNeighbourhoodNames[] = {"bulk", "edge", "corner", "lone", "random", "disordered", "all", NULL};
 
 /* In one dimension a corner is an edge, so that all leaves it out. */
 static void Take(PetscInt word, const MpmScene *scene, MpmRequest *request)
@@ -51,8 +51,10 @@ PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const 
                                    "csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix",
                                    "it is of the bulk; allowed: with neighbourhood bulk"));
   if (reads && !request->neighbourhood[MPM_AT_RANDOM])
-    PetscCall(
-        MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "voids,layouts", "allowed: with neighbourhood random"));
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "voids", "allowed: with neighbourhood random"));
+  if (reads && !request->neighbourhood[MPM_AT_RANDOM] && !request->neighbourhood[MPM_DISORDERED])
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "layouts",
+                                   "allowed: with neighbourhood random or disordered"));
   if (!MpmSettingsGiven(settings, "layouts"))
     request->layouts = strcmp(request->task, "ensemble") ? SOME_LAYOUTS : MANY_LAYOUTS;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,0 +1,64 @@
+#!/usr/bin/python3
+"""Limits of neighbourhood disordered are those that critical finds of each of its layouts, made again by its options.
+
+check_disordered.py; MPMSTAB names the program. Silent when all is well.
+"""
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+MPMSTAB = os.environ["MPMSTAB"]
+SAME = 1e-5  # limits by halving, with a tolerance of growth, and by an eigenvalue at -1
+CASES = (("-formulation usl -basis quadratic -courant 0.9", 24, 10),
+         ("-formulation musl -courant 1.41 -jitter 0.5", 24, 10),
+         ("-formulation usavg -basis cubic -transfer pic -ppc 1", 24, 6),
+         ("-dim 2 -formulation usf -basis quadratic -ppc 1", 6, 6))
+
+
+def critical(words):
+    """Returns what critical writes as JSON."""
+    done = subprocess.run([MPMSTAB, "critical", *words, "-json", "critical.json"], capture_output=True, text=True,
+                          timeout=120)
+    assert done.returncode == 0, (words, done.stderr)
+    with open("critical.json", encoding="utf-8") as file:
+        return json.load(file)["critical"], done.stdout
+
+
+def own_limits(words, cells, layouts):
+    """Returns the limit of each layout, by its own scene: in turn jittered and anywhere."""
+    jittered = [] if "-jitter" in words else ["-jitter", "1"]
+    scattered = words[:words.index("-jitter")] + words[words.index("-jitter") + 2:] if "-jitter" in words else words
+    limits = []
+    for seed in range(1, layouts + 1):
+        kind = scattered + ["-layout", "random"] if seed % 2 == 0 else words + jittered
+        limits.append(critical(kind + ["-cells", str(cells), "-seed", str(seed)])[0]["critical_courant"])
+    return limits
+
+
+def check(case, cells, layouts):
+    """Checks the least limit, its seed and the quantiles."""
+    words = case.split()
+    found, said = critical(words + ["-neighbourhood", "disordered", "-layouts", str(layouts)])
+    found = found["neighbourhoods"]["disordered"]
+    limits = own_limits(words, cells, layouts)
+    assert found["worst_seed"] == 1 + limits.index(min(limits)), (case, found, limits)
+    wanted = {"5": 0.05, "50": 0.5, "95": 0.95}
+    for name, share in wanted.items():
+        limit = sorted(limits)[math.ceil(share * layouts) - 1]
+        assert abs(found["quantiles"][name] - limit) <= SAME * limit, (case, name, found, limits)
+    assert abs(found["critical_courant"] - min(limits)) <= SAME * min(limits), (case, found, limits)
+    assert f"-seed {found['worst_seed']}" in said, said
+    if "-courant" in words:
+        courant = float(words[words.index("-courant") + 1])
+        assert found["unstable"] == sum(limit < courant for limit in limits), (case, found, limits)
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        for each in CASES:
+            check(*each)
+    sys.exit(0)
