@@ -1,5 +1,6 @@
 /* Asks each neighbourhood's own search, and takes the worst of what they find. */
 #include "analysis/critical_parts.h"
+#include "analysis/leftmost.h"
 #include "analysis/lone.h"
 #include "analysis/neighbourhoods.h"
 #include "analysis/patch.h"
@@ -145,15 +146,23 @@ static PetscErrorCode Alone(const MpmCriticalCase *of, MpmNeighbourhood *one)
 static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *request, PetscBool limits,
                                MpmNeighbourhood *one)
 {
-  const PetscBool  disordered = one->kind == MPM_DISORDERED ? PETSC_TRUE : PETSC_FALSE;
-  MpmRandomLayouts layouts    = {.n       = request->layouts,
-                                 .seed    = of->layout->seed,
-                                 .voids   = disordered ? 0 : request->voids,
-                                 .scatter = disordered,
-                                 .limits  = limits};
+  static const PetscInt moves[MPM_MAX_DIM] = {200, 100, 30};
+  const PetscBool       disordered         = one->kind == MPM_DISORDERED ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool       worst              = one->kind == MPM_AT_WORST ? PETSC_TRUE : PETSC_FALSE;
+  MpmRandomLayouts      layouts            = {.n       = request->layouts,
+                                              .seed    = of->layout->seed,
+                                              .voids   = disordered ? 0 : request->voids,
+                                              .scatter = disordered || worst ? PETSC_TRUE : PETSC_FALSE,
+                                              .moves   = worst ? moves[of->layout->dim - 1] : 0,
+                                              .write   = request->write_layout,
+                                              .limits  = limits};
 
   PetscFunctionBegin;
   if (!HasOperator(of, one)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (worst && !MpmLeftmostDecides(of->layout, of->scheme, &of->step)) {
+    one->why_not = "the search needs that layouts stay unstable beyond their limits, which is not proved of this scheme";
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmRandomLayoutsFind(of, &layouts));
   one->courant     = layouts.courant;
   one->growth      = layouts.growth;

@@ -10,6 +10,7 @@
 #include "analysis/random_layouts.h"
 #include "analysis/search.h"
 #include "base/farm.h"
+#include "base/textfile.h"
 #include "linalg/dense.h"
 #include "linalg/lapack_names.h"
 #include "operator/nodal.h"
@@ -20,6 +21,8 @@
 #define LEAST 1e-6     /* Courant number below which no limit is sought */
 #define PRECISION 1e-7 /* relative, of a limit */
 #define REAL 1e-9      /* an eigenvalue with a smaller share of imaginary part is real but for rounding */
+#define TAKES 0.1      /* share of the moves that take a particle away */
+#define HALVINGS 10
 #define MOST_WEIGHTS (MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH)
 
 const PetscInt MpmQuantiles[MPM_QUANTILES] = {5, 50, 95};
@@ -90,7 +93,7 @@ static PetscInt Weights(const Boxed *b, PetscInt64 site, MpmOpKind kind, PetscIn
 
 static PetscBool IsThere(const Boxed *b, PetscInt64 site)
 {
-  return MpmLayoutIsVoid(&b->layout, site, b->search->asked->voids) ? PETSC_FALSE : PETSC_TRUE;
+  return !b->layout.given && MpmLayoutIsVoid(&b->layout, site, b->search->asked->voids) ? PETSC_FALSE : PETSC_TRUE;
 }
 
 static PetscErrorCode Masses(Boxed *b)
@@ -99,6 +102,7 @@ static PetscErrorCode Masses(Boxed *b)
   PetscReal phi[MOST_WEIGHTS];
 
   PetscFunctionBegin;
+  PetscCall(PetscArrayzero(b->mass, b->nodes));
   for (PetscInt64 site = 0; site < b->layout.sites; site++) {
     const PetscInt n = IsThere(b, site) ? Weights(b, site, MPM_P2G, 0, node, phi) : 0;
 
@@ -156,6 +160,15 @@ static PetscErrorCode MapOf(void *context, const MpmNodalMap *map, double comple
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Makes the operator of the particles where they are. */
+static PetscErrorCode Assemble(Boxed *b)
+{
+  PetscFunctionBegin;
+  PetscCall(Masses(b));
+  PetscCall(MpmNodalRun(b->search->plan, b->nodes, MapOf, b, b->coefficient));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode BoxedCreate(Search *search, PetscInt i, Boxed *b)
 {
   const MpmNodalPlan *plan = search->plan;
@@ -168,8 +181,7 @@ static PetscErrorCode BoxedCreate(Search *search, PetscInt i, Boxed *b)
   PetscCall(PetscCalloc1(b->nodes, &b->mass));
   PetscCall(PetscMalloc4(b->n * b->n, &b->matrix, b->n, &b->re, b->n, &b->im, plan->degree + 1, &b->coefficient));
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(b->n * b->n, &b->coefficient[j]));
-  PetscCall(Masses(b));
-  PetscCall(MpmNodalRun(plan, b->nodes, MapOf, b, b->coefficient));
+  PetscCall(Assemble(b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -344,6 +356,113 @@ static PetscErrorCode HalvedLimit(Boxed *b, PetscReal *limit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode LimitOfBox(Boxed *b, PetscReal *limit)
+{
+  PetscFunctionBegin;
+  PetscCall(b->search->plan->degree == 1 ? LinearLimit(b, limit) : HalvedLimit(b, limit));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Gives the layout the places of the particles that are there, so that they can be moved and taken away. */
+static PetscErrorCode Loosen(Boxed *b)
+{
+  MpmLayout *l     = &b->layout;
+  MpmGiven  *given = NULL;
+  PetscInt   cell[MPM_MAX_DIM];
+  PetscReal  xi[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&given));
+  for (PetscInt a = 0; a < l->dim; a++) PetscCall(PetscMalloc1(l->sites, &given->column[a]));
+  for (PetscInt64 site = 0; site < l->sites; site++) {
+    if (!IsThere(b, site)) continue;
+    MpmLayoutPlace(l, site, cell, xi);
+    for (PetscInt a = 0; a < l->dim; a++)
+      given->column[a][given->particles] = (cell[a] + l->grid[a].cells) % l->grid[a].cells + xi[a];
+    given->particles++;
+  }
+  PetscCall(MpmGivenDestroy(&l->given));
+  l->given = given;
+  l->sites = l->particles = given->particles;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A change of a layout: particle p is moved, or taken away; before: where it was. */
+typedef struct {
+  PetscInt64 p;
+  PetscBool  takes;
+  PetscReal  before[MPM_MAX_DIM];
+} Move;
+
+/* Makes move m. Moves become shorter, from half a cell to 2^-HALVINGS of that. */
+static void MakeMove(MpmLayout *l, PetscInt m, PetscInt moves, Move *move)
+{
+  const PetscInt64 seed = MpmLayoutSeed(l, MPM_MAX_DIM), first = (PetscInt64)m * (MPM_MAX_DIM + 2);
+  const PetscReal  reach = exp2(-HALVINGS * m / (PetscReal)moves);
+
+  move->p     = (PetscInt64)(MpmHash(seed, first) * (PetscReal)l->sites);
+  move->takes = MpmHash(seed, first + 1) < TAKES ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt a = 0; a < l->dim; a++) {
+    const PetscReal cells = l->grid[a].cells, by = reach * (MpmHash(seed, first + 2 + a) - 0.5);
+    PetscReal      *x = l->given->column[a];
+
+    move->before[a] = x[move->p];
+    x[move->p]      = move->takes ? x[l->sites - 1] : fmod(x[move->p] + by + cells, cells);
+  }
+  if (move->takes) l->sites--;
+}
+
+static void TakeBack(MpmLayout *l, const Move *move)
+{
+  if (move->takes) l->sites++;
+  for (PetscInt a = 0; a < l->dim; a++) l->given->column[a][move->p] = move->before[a];
+}
+
+/* Moves one particle after another, or takes it away, and keeps what makes the limit smaller. */
+static PetscErrorCode Worsen(Boxed *b, PetscReal *limit)
+{
+  PetscFunctionBegin;
+  PetscCall(Loosen(b));
+  for (PetscInt m = 0; m < b->search->asked->moves && b->layout.sites > 1; m++) {
+    Move      move;
+    PetscReal other;
+
+    MakeMove(&b->layout, m, b->search->asked->moves, &move);
+    PetscCall(Assemble(b));
+    PetscCall(LimitOfBox(b, &other));
+    if (other < *limit)
+      *limit = other;
+    else
+      TakeBack(&b->layout, &move);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes the places of the worst layout, in cells. All ranks make them again. */
+static PetscErrorCode Write(Search *s)
+{
+  const PetscInt before = s->evaluations;
+  MpmTextFile    csv;
+  PetscReal      limit;
+  Boxed          b;
+
+  PetscFunctionBegin;
+  PetscCall(BoxedCreate(s, (PetscInt)(s->asked->worst - s->asked->seed), &b));
+  PetscCall(LimitOfBox(&b, &limit));
+  PetscCall(Worsen(&b, &limit));
+  PetscCall(MpmTextFileOpen(s->asked->write, &csv));
+  if (csv.stream) {
+    fprintf(csv.stream, "%.*s\n", (int)(2 * b.layout.dim - 1), "x,y,z");
+    for (PetscInt64 p = 0; p < b.layout.sites; p++)
+      for (PetscInt a = 0; a < b.layout.dim; a++)
+        fprintf(csv.stream, "%.17g%s", b.layout.given->column[a][p], a < b.layout.dim - 1 ? "," : "\n");
+  }
+  PetscCall(MpmTextFileClose(&csv));
+  PetscCall(BoxedDestroy(&b));
+  s->evaluations = before;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode LimitOf(void *context, PetscInt i)
 {
   Search *s = (Search *)context;
@@ -351,7 +470,8 @@ static PetscErrorCode LimitOf(void *context, PetscInt i)
 
   PetscFunctionBegin;
   PetscCall(BoxedCreate(s, i, &b));
-  PetscCall(s->plan->degree == 1 ? LinearLimit(&b, &s->growth[i]) : HalvedLimit(&b, &s->growth[i]));
+  PetscCall(LimitOfBox(&b, &s->growth[i]));
+  if (s->asked->moves) PetscCall(Worsen(&b, &s->growth[i]));
   PetscCall(BoxedDestroy(&b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -375,6 +495,7 @@ static PetscErrorCode FindLimits(Search *s)
     asked->courant = s->growth[i];
     asked->worst   = asked->seed + i;
   }
+  if (asked->write && *asked->write && isfinite(asked->courant)) PetscCall(Write(s));
   PetscCall(PetscSortReal(asked->n, s->growth));
   for (PetscInt q = 0; q < MPM_QUANTILES; q++)
     asked->quantile[q] = s->growth[(MpmQuantiles[q] * asked->n + 99) / 100 - 1];

@@ -12,6 +12,8 @@ extern const PetscInt MpmRandomBox[MPM_MAX_DIM]; /* cells of the box along each 
    n, seed - the number of layouts; layout i is hashed from seed + i
    voids   - the share of sites without a particle
    scatter - every second layout has its particles anywhere in the box, as layout random has them
+   moves   - so many times a particle of each layout is moved, or taken away, where this makes its limit smaller
+   write   - file for the places of the worst layout after this, a line for each particle; NULL or empty: none
    limits  - whether limits are sought
    growth  - the largest at the case's own Courant number; NaN: it is not known of some layout
    courant - the least limit: 0 where that layout grows at every Courant number; infinite where there is none; NaN: it is
@@ -24,14 +26,16 @@ extern const PetscInt MpmRandomBox[MPM_MAX_DIM]; /* cells of the box along each 
    fades   - there is no threshold: growth fades with the Courant number, and courant is 0
 S*/
 typedef struct {
-  PetscInt   n;
-  PetscInt64 seed;
-  PetscReal  voids;
-  PetscBool  scatter, limits;
-  PetscReal  growth, courant, quantile[MPM_QUANTILES];
-  PetscInt   unstable, undecided;
-  PetscInt64 worst, evaluations;
-  PetscBool  fades;
+  PetscInt    n;
+  PetscInt64  seed;
+  PetscReal   voids;
+  PetscInt    moves;
+  const char *write;
+  PetscBool   scatter, limits;
+  PetscReal   growth, courant, quantile[MPM_QUANTILES];
+  PetscInt    unstable, undecided;
+  PetscInt64  worst, evaluations;
+  PetscBool   fades;
 
   MpmCriticalWindows windows;
 } MpmRandomLayouts;

@@ -95,6 +95,19 @@ static void DisorderedText(const MpmScene *s, const MpmNeighbourhood *one, size_
   if (MpmSceneHasStep(s)) MpmTextJoin(text, part, room);
 }
 
+/* How many layouts were searched, and where the worst is. */
+static void WorstText(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhood *one, size_t room,
+                      char text[])
+{
+  char part[128];
+
+  (void)snprintf(text, room, "the least that moving and taking away particles found from %" PetscInt_FMT " layouts",
+                 one->layouts);
+  (void)snprintf(part, sizeof part, "; -cells %" PetscInt_FMT " -cell_width 1 -layout %.80s",
+                 MpmRandomBox[s->layout.dim - 1], request->write_layout);
+  MpmTextJoin(text, request->write_layout[0] ? part : " (-write_layout FILE writes it)", room);
+}
+
 static void ReasonText(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhood *one, size_t room,
                        char text[])
 {
@@ -105,6 +118,8 @@ static void ReasonText(const MpmScene *s, const MpmRequest *request, const MpmNe
     (void)snprintf(text, room, "%s", one->why_not);
   else if (one->kind == MPM_AT_RANDOM)
     RandomText(s, request, one, room, text);
+  else if (one->kind == MPM_AT_WORST)
+    WorstText(s, request, one, room, text);
   else if (one->kind == MPM_DISORDERED)
     DisorderedText(s, one, room, text);
   else if (isinf(one->courant))
@@ -160,7 +175,8 @@ static const char *Subject(MpmNeighbourhoodKind kind)
                                      [MPM_AT_CORNER]  = "a corner",
                                      [MPM_ALONE]      = "a lone particle",
                                      [MPM_AT_RANDOM]  = "a random layout with voids",
-                                     [MPM_DISORDERED] = "a disordered layout"};
+                                     [MPM_DISORDERED] = "a disordered layout",
+                                     [MPM_AT_WORST]   = "the worst layout that was found"};
 
   return said[kind];
 }

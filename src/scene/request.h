@@ -105,6 +105,7 @@ extern const char *const MpmTangentNames[];
    program_timeout, probe - seconds in which a program must answer, and how it is probed; program_period: steps that are
                        probed together, 0 if that is not said
    write_matrix, write_blocks - files to which operator and blocks go
+   write_layout      - file to which the worst layout goes
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
                        when initial is eigenmode
 S*/
@@ -134,7 +135,7 @@ typedef struct {
   char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
   char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];
   char            restart[PETSC_MAX_PATH_LEN], matrix[PETSC_MAX_PATH_LEN], matrix_blocks[PETSC_MAX_PATH_LEN];
-  char            write_matrix[PETSC_MAX_PATH_LEN], write_blocks[PETSC_MAX_PATH_LEN];
+  char            write_matrix[PETSC_MAX_PATH_LEN], write_blocks[PETSC_MAX_PATH_LEN], write_layout[PETSC_MAX_PATH_LEN];
 } MpmRequest;
 
 /* Not collective. The file, command or library that takes the place of a scene. */

@@ -128,6 +128,7 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
   PetscCall(CheckOutput(settings, request));
   PetscCall(CheckEnding(settings, "write_matrix", request->write_matrix));
   PetscCall(CheckEnding(settings, "write_blocks", request->write_blocks));
+  PetscCall(CheckEnding(settings, "write_layout", request->write_layout));
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
     if (!IsUsed(settings, task, i, MPM_FILE_WRITTEN)) continue;
     names[n]   = MpmOptions[i].name;

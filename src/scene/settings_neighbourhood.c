@@ -6,9 +6,10 @@
 #define MANY_LAYOUTS 100       /* of an ensemble, when the option layouts is not given */
 #define SOME_LAYOUTS 20        /* of neighbourhoods random and disordered, whose limits are sought too */
 
-const char *const MpmNeighbourhoodNames[] = {"bulk", "edge", "corner", "lone", "random", "disordered", "all", NULL};
+const char *const MpmNeighbourhoodNames[] = {"bulk",       "edge",  "corner", "lone", "random",
+                                             "disordered", "worst", "all",    NULL};
 
-/* In one dimension a corner is an edge, so that all leaves it out. */
+/* All leaves out a corner in one dimension, where it is an edge, and the worst, whose search takes long. */
 static void Take(PetscInt word, const MpmScene *scene, MpmRequest *request)
 {
   if (word != ALL) {
@@ -16,7 +17,8 @@ static void Take(PetscInt word, const MpmScene *scene, MpmRequest *request)
     return;
   }
   for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
-    if (scene->layout.dim > 1 || kind != MPM_AT_CORNER) request->neighbourhood[kind] = PETSC_TRUE;
+    if ((scene->layout.dim > 1 || kind != MPM_AT_CORNER) && kind != MPM_AT_WORST)
+      request->neighbourhood[kind] = PETSC_TRUE;
 }
 
 /*
@@ -52,9 +54,13 @@ PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const 
                                    "it is of the bulk; allowed: with neighbourhood bulk"));
   if (reads && !request->neighbourhood[MPM_AT_RANDOM])
     PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "voids", "allowed: with neighbourhood random"));
-  if (reads && !request->neighbourhood[MPM_AT_RANDOM] && !request->neighbourhood[MPM_DISORDERED])
+  if (reads && !request->neighbourhood[MPM_AT_RANDOM] && !request->neighbourhood[MPM_DISORDERED] &&
+      !request->neighbourhood[MPM_AT_WORST])
     PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "layouts",
-                                   "allowed: with neighbourhood random or disordered"));
+                                   "allowed: with neighbourhood random, disordered or worst"));
+  if (critical && !request->neighbourhood[MPM_AT_WORST])
+    PetscCall(
+        MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "write_layout", "allowed: with neighbourhood worst"));
   if (!MpmSettingsGiven(settings, "layouts"))
     request->layouts = strcmp(request->task, "ensemble") ? SOME_LAYOUTS : MANY_LAYOUTS;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Limits of neighbourhood disordered are those that critical finds of each of its layouts, made again by its options.
+"""Limits of neighbourhood disordered are those that critical finds of each of its layouts, made again by its options. That of
+neighbourhood worst is the limit of the layout that it writes, and not below what a lone particle bounds.
 
 check_disordered.py; MPMSTAB names the program. Silent when all is well.
 """
@@ -56,9 +57,23 @@ def check(case, cells, layouts):
         assert found["unstable"] == sum(limit < courant for limit in limits), (case, found, limits)
 
 
+def check_worst(case, cells, bound):
+    """Checks the worst layout of a scheme none of whose layouts has a limit below bound."""
+    words = case.split()
+    found, _ = critical(words + ["-neighbourhood", "worst,disordered", "-layouts", "4", "-write_layout", "worst.csv"])
+    worst = found["neighbourhoods"]["worst"]["critical_courant"]
+    words = case.replace(" -ppc 1", "").split()  # the file says how many there are
+    again = critical(words + ["-cells", str(cells), "-cell_width", "1", "-layout", "worst.csv"])[0]["critical_courant"]
+    assert abs(again - worst) <= SAME * worst, (case, again, worst)
+    disordered = found["neighbourhoods"]["disordered"]["critical_courant"]
+    assert bound * (1 - SAME) <= worst <= 0.9 * disordered, (case, worst, disordered)
+
+
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         for each in CASES:
             check(*each)
+        check_worst("-formulation usl -basis quadratic", 24, math.sqrt(1 / 3))
+        check_worst("-dim 2 -formulation usl -basis quadratic -ppc 1 -poisson 0", 6, math.sqrt(1 / 6))
     sys.exit(0)
