@@ -430,7 +430,7 @@ static PetscErrorCode Worsen(Boxed *b, PetscReal *limit)
     MakeMove(&b->layout, m, b->search->asked->moves, &move);
     PetscCall(Assemble(b));
     PetscCall(LimitOfBox(b, &other));
-    if (other < *limit)
+    if (other < *limit * (1 - PRECISION)) /* rounding must not choose the way */
       *limit = other;
     else
       TakeBack(&b->layout, &move);
