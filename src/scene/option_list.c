@@ -95,7 +95,7 @@ WHEN(HasLayout, in == MPM_IN_FILE || s->layout.given)
 WHEN(HasOffset, in != MPM_IN_JSON || !IsCentred(&s->layout))
 WHEN(HasJitter, in != MPM_IN_JSON || s->layout.jitter != 0)
 /* the seed decides where particles are, and for a run also what random data it starts from */
-WHEN(HasSeed, in == MPM_IN_FILE || MpmLayoutIsScattered(&s->layout) || (in == MPM_IN_CHECKPOINT && s->initial == MPM_INITIAL_RANDOM))
+WHEN(HasSeed, in == MPM_IN_FILE || s->layout.jitter != 0 || (s->layout.given && s->layout.given->random) || (in == MPM_IN_CHECKPOINT && s->initial == MPM_INITIAL_RANDOM))
 WHEN(HasCounts, in != MPM_IN_JSON || s->layout.counts.n > 1)
 WHEN(HasCluster, in != MPM_IN_JSON || s->layout.cluster[1] - s->layout.cluster[0] < 1)
 WHEN(HasMaterial, in != MPM_IN_JSON || s->layout.material.kind != MPM_MATERIAL_UNIFORM)
