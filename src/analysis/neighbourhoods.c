@@ -160,7 +160,8 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
   PetscFunctionBegin;
   if (!HasOperator(of, one)) PetscFunctionReturn(PETSC_SUCCESS);
   if (worst && !MpmLeftmostDecides(of->layout, of->scheme, &of->step)) {
-    one->why_not = "the search needs that layouts stay unstable beyond their limits, which is not proved of this scheme";
+    one->why_not =
+        "the search needs that layouts stay unstable beyond their limits, which is not proved of this scheme";
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmRandomLayoutsFind(of, &layouts));

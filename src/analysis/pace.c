@@ -56,19 +56,23 @@ static PetscBool HasSurface(const MpmLayout *layout)
   return MpmLayoutIsFull(layout) ? PETSC_FALSE : PETSC_TRUE;
 }
 
-/* The limit of a lone particle, which is known in closed form for most schemes; else, or without a limit, that at an edge. */
+/*
+   The limit of a lone particle, in closed form where there is one, else by a search. Without a limit, or one that the
+   search tells, that at an edge counts.
+*/
 static PetscErrorCode LimitAtSurface(const MpmCriticalCase *of, PetscReal *limit, MpmNeighbourhoodKind *where)
 {
   MpmLone       lone;
-  MpmPatchLimit edge;
+  MpmPatchLimit found = {.courant = NAN};
 
   PetscFunctionBegin;
   PetscCall(MpmLoneFind(of->layout, of->scheme, of->step.courant, &lone));
-  *limit = lone.courant;
+  if (!lone.known) PetscCall(MpmPatchFind(of, MPM_PATCH_LONE, &found));
+  *limit = lone.known ? lone.courant : found.courant;
   *where = MPM_ALONE;
-  if (lone.known && isfinite(lone.courant)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPatchFind(of, MPM_PATCH_EDGE, &edge));
-  *limit = edge.courant;
+  if (isfinite(*limit)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmPatchFind(of, MPM_PATCH_EDGE, &found));
+  *limit = found.courant;
   *where = MPM_AT_EDGE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -124,6 +124,15 @@ def check_chosen_steps():
                   and most / LEVEL * (1 - 1e-12) <= dt <= most * (1 + 1e-12), f"{row}: dt {dt}, at most {most}")
 
 
+def check_limit_of_a_lone_particle():
+    """Where particles may come to be alone, and no closed form is known, a search says what one of them allows."""
+    scheme = "-dim 2 -formulation usl -transfer apic -basis quadratic -poisson 0.3".split()
+    known = limit_of(*scheme, "-neighbourhood", "lone")
+    auto = result(1, "-kinematics", "finite", *scheme, "-material", "neo", "-cells", "8", "-fill", "2,6", "-courant", "auto",
+                  "-initial", "uniform", "-steps", "2")["run"]["courant_auto"]
+    check(auto["limited_by"] == "lone" and abs(auto["limit"] - known) < 2e-6, f"{auto}, alone {known}")
+
+
 def check_none_chosen():
     """A run that ends in one step has chosen none by waves or motion: there is no least and no largest of such steps."""
     auto = result(1, *PACED, "-time", "0.001")["run"]["courant_auto"]
@@ -283,6 +292,7 @@ with tempfile.TemporaryDirectory() as folder:
     check_refusals()
     check_json()
     check_chosen_steps()
+    check_limit_of_a_lone_particle()
     check_none_chosen()
     check_alike()
     check_chosen_restart(1, 1)
