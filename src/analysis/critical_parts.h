@@ -105,6 +105,7 @@ PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way)
    MpmCriticalSamples  - the number of phases in (0, pi] of each direction at which the symbol is taken: fewer where its
                          matrices are large
    MpmCriticalBound    - bound of MpmCritical, for particles at rest
+   MpmCriticalLoneBound - the same of schemes with a step_bound, from a lone particle at its worst place; 0: none is known
    MpmCriticalSpread   - the least and the largest second moment D of the weights of a direction, over the places in a cell
 
    Not collective.
@@ -112,6 +113,7 @@ PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way)
 PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
                                    MpmWaveType *wave);
 PetscReal      MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme);
+PetscErrorCode MpmCriticalLoneBound(const MpmLayout *layout, const MpmScheme *scheme, PetscReal *bound);
 void           MpmCriticalSpread(const MpmBasis *basis, PetscReal half_width, PetscReal ends[2]);
 PetscInt       MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
 

@@ -289,6 +289,7 @@ PetscErrorCode MpmNeighbourhoodsFind(const MpmScene *scene, const MpmRequest *re
 {
   PetscFunctionBegin;
   *all = (MpmNeighbourhoods){.bound = MpmCriticalBound(&scene->layout, &scene->scheme)};
+  if (all->bound == 0 && !WhyNot(scene)) PetscCall(MpmCriticalLoneBound(&scene->layout, &scene->scheme, &all->bound));
   for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++) {
     MpmNeighbourhood *one = &all->of[all->n];
 

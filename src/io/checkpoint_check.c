@@ -36,6 +36,14 @@ static char *FieldIn(const char scene[], const char name[], size_t room, char te
   return NULL;
 }
 
+/* Whether a field is among the values. */
+static PetscBool IsAmong(const char name[], PetscInt n, const MpmValue values[])
+{
+  for (PetscInt i = 0; i < n; i++)
+    if (!strcmp(values[i].field->name, name)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 static PetscErrorCode CompareScenes(const MpmScene *scene, const MpmCheckpoint *file)
 {
   MpmValue  values[MPM_MAX_VALUES];
@@ -55,6 +63,11 @@ static PetscErrorCode CompareScenes(const MpmScene *scene, const MpmCheckpoint *
                   "tolerance, expectations and files",
                   file->path, name, has ? has : "not there", mine);
   }
+  for (const MpmField *o = MpmOptions; o->name; o++)
+    MpmCheckInput(IsAmong(o->name, n, values) || !FieldIn(file->scene, o->name, sizeof text, text),
+                  "checkpoint %s: its %s is %s, the scene has none; allowed: the scene that it is of, but for steps, "
+                  "tolerance, expectations and files",
+                  file->path, o->name, text);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

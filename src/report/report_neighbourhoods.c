@@ -283,8 +283,11 @@ void MpmNeighbourhoodsReport(json_t *result, const MpmScene *s, const MpmRequest
                  ? "the bulk is under the scene's drift, the others are of particles at rest\n"
                  : "these are of particles at rest, whatever the scene's drift is\n");
   if (all->bound > 0)
-    MpmPrint("no layout of such particles at rest grows up to the Courant number %.6g, so none is worse than that\n",
-             all->bound);
+    MpmResultSay(
+        result,
+        "no layout of such particles at rest grows up to the Courant number %.6g{any_layout}, so none is worse "
+        "than that\n",
+        all->bound);
   if (limits) PrintLeast(s, request, all);
   if (MpmSceneHasStep(s) || !limits) PrintVerdict(s, all);
 }

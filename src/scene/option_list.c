@@ -183,7 +183,7 @@ const MpmField MpmOptions[] = {
   {"counts", MPM_LIST, NULL, "particles in the first cells, such as 1,4,0,2, repeated over the grid; instead of ppc",
    BETWEEN(0, 1000000), .rival = "ppc", MADE(AS_COUNTS, layout.counts), IN(26, 16, 8, 7), SHOWN(HasCounts)},
   {"layout", MPM_PATH, "uniform", "where particles start: uniform (from offset, displaced by jitter), random (anywhere, hashed from seed), or a CSV file with a header x[,y,z] and optional volume, mass, young, poisson, and a line for each particle, in the units of length",
-   NO_RANGE, TEXT(LayoutOf), IN(4, 76, 70, 54), SHOWN(HasLayout), READS},
+   NO_RANGE, TEXT(LayoutOf), IN(4, 77, 70, 54), SHOWN(HasLayout), READS},
   {"offset", MPM_FRACTION, "0.5", "start of the first particle, in particle spacings",
    BETWEEN(0, 1 - PETSC_MACHINE_EPSILON / 2), EACH(AS_FRACTION, layout.offset, layout.offset[0]), IN(9, 13, 9, 13), SHOWN(HasOffset)},
   {"jitter", MPM_REAL, "0", "random displacement, in particle spacings",

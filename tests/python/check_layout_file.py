@@ -87,6 +87,19 @@ def check_ranks():
     check("120 particles of random.csv" in out and found["layout"] == "random.csv", "the layout is not named")
 
 
+def check_random():
+    """Particles anywhere: the same on any number of ranks, another layout for another seed, and kept in checkpoints."""
+    words = "-formulation usl -dim 2 -basis quadratic -cells 8 -layout random -courant 0.3 -initial random"
+    runs = [run(f"run {words} -steps 20", ranks)[1]["run"]["growth_measured"] for ranks in (1, 2, 3)]
+    for other in runs[1:]:
+        same(runs[0], other, "a run on ranks", 1e-12)
+    check(len({limit(f"usl -basis quadratic -cells 8 -layout random -seed {seed}") for seed in (1, 2)}) == 2, "seeds")
+    run(f"run {words} -steps 5 -checkpoint kept.h5")
+    run(f"run {words} -steps 9 -restart kept.h5")
+    _, error = run(f"run {words.replace('-layout random', '')} -steps 9 -restart kept.h5", 1, 2)
+    check("its layout is random, the scene has none" in error, error)
+
+
 BAD = [("", "it is empty"), ("x\n", "no particle"), ("y\n0\n", "line 1: there is no column x"),
        ("x,y\n0,0\n", "line 1: there is a column y"), ("x,volume\n.5,1\n.5,-1\n", "line 3: volume '-1'"),
        ("x\nnan\n", "line 2: x 'nan'"), ("x\n.5\n\n.6\n", "line 3: x ''"), ("x\n.5,.6\n", "line 2: more numbers"),
@@ -115,4 +128,5 @@ def check_refusals():
 check_lattices()
 check_materials()
 check_ranks()
+check_random()
 check_refusals()

@@ -35,8 +35,10 @@ def check_issue():
         critical = found["critical"]
         limit = 1 / math.sqrt(2) / cells / 20
         check(abs(critical["critical_dt"] / limit - 1) < 1e-12, f"dt {critical['critical_dt']}, not {limit}")
-        check(set(critical) == {"critical_courant", "critical_dt", "neighbourhoods", "limited_by_neighbourhood"},
+        check(set(critical) == {"critical_courant", "critical_dt", "neighbourhoods", "limited_by_neighbourhood",
+                                 "any_layout"},
               f"keys {sorted(critical)}")
+        check(abs(critical["any_layout"] * math.sqrt(2) - 1) < 1e-12, f"any layout: {critical['any_layout']}")
         check(f"a lone particle limits the Courant number to 0.707107, the time step to {printed} (wherever" in text, text)
         check("verdict" not in found and "verdict" not in text, "a verdict on a time step that nobody gave")
         check("courant" not in found and "growth" not in critical["neighbourhoods"]["lone"], "growth at no given step")
@@ -52,7 +54,7 @@ def check_all():
         each = critical["neighbourhoods"]
         first = first or without_cost(each)
         check(without_cost(each) == first, f"{ranks} ranks: {each}\nnot {first}")
-        check(list(each) == ["bulk", "edge", "lone", "random"], f"all in one dimension: {list(each)}")
+        check(list(each) == ["bulk", "edge", "lone", "random", "disordered"], f"all in one dimension: {list(each)}")
         least = min(each, key=lambda name: each[name]["critical_courant"])
         check(least == "lone" == critical["limited_by_neighbourhood"], f"the least is {least}")
         check(critical["critical_courant"] == each["lone"]["critical_courant"], "the worst is not the least")

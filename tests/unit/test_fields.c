@@ -58,6 +58,7 @@ static const char *const other[][2] = {
     {"stagger", "-stagger"},
     {"balance", "-balance cells"},
     {"ranks", "-ranks 1"},
+    {"layout", "-layout random"},
 };
 
 /* Finds the text of a field in the checkpoint of a scene; it is empty when there is none. */
