@@ -8,7 +8,7 @@ program=${MPMSTAB:-build/mpmstab}
 
 bar() {
   "$program" critical -cells 16 -boundary "$1,free" -formulation "$2" -ppc "$3" |
-    sed -n "s/^critical Courant number: /$2 ppc $3, $1 and free: /p"
+    sed -n "s/^critical Courant number: \([0-9.]*\).*/$2 ppc $3, $1 and free: \1/p"
 }
 
 # A line with the limits of neighbourhoods: near DIM NEIGHBOURHOODS OPTION...

@@ -64,39 +64,67 @@ static PetscErrorCode Drift(const MpmScene *s, const MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The layout that a limit is of. Walls and materials stand in the heading. */
+static PetscErrorCode LayoutText(const MpmScene *s, size_t room, char text[])
+{
+  const MpmLayout *l = &s->layout;
+  char             ppc[64], offset[64], part[64];
+
+  PetscFunctionBegin;
+  PetscCall(FieldText(s, "ppc", PETSC_TRUE, sizeof ppc, ppc));
+  PetscCall(FieldText(s, "offset", PETSC_TRUE, sizeof offset, offset));
+  if (l->given)
+    (void)snprintf(text, room, "layout %s", l->name);
+  else if (l->counts.n > 1)
+    (void)snprintf(text, room, "layout with the counts of the heading, offset %s", offset);
+  else
+    (void)snprintf(text, room, "%s, ppc %s, offset %s", MpmLayoutIsUniform(l) ? "lattice" : "layout", ppc, offset);
+  if (l->jitter != 0) {
+    (void)snprintf(part, sizeof part, ", jitter %.6g, seed %" PetscInt64_FMT, l->jitter, l->seed);
+    MpmTextJoin(text, part, room);
+  } else if (l->given && l->given->random) {
+    (void)snprintf(part, sizeof part, ", seed %" PetscInt64_FMT, l->seed);
+    MpmTextJoin(text, part, room);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Limit(json_t *result, const MpmScene *s, PetscReal tolerance, const MpmCritical *c)
 {
   const char *name =
       MpmSceneDrifts(s) ? "largest Courant number with growth within tolerance" : "critical Courant number";
+  char layout[MPM_COUNTS_TEXT];
 
   PetscFunctionBegin;
+  PetscCall(LayoutText(s, sizeof layout, layout));
   if (c->too_large)
-    MpmPrint("%s: not sought, since there are too many unknowns to find all eigenvalues (at most %d)\n", name,
+    MpmPrint("%s: not sought, since there are too many unknowns to find all eigenvalues (at most %d)", name,
              MPM_DENSE_MANY);
   else if (c->disputed)
-    MpmPrint("%s: undecided, the search finds %.10g, but the closed form says otherwise\n", name, c->stable_at);
+    MpmPrint("%s: undecided, the search finds %.10g, but the closed form says otherwise", name, c->stable_at);
   else if (isnan(c->courant))
-    MpmPrint("%s: undecided, tolerance %.6g is less than the growth of up to %.1g per step that rounding makes here\n",
+    MpmPrint("%s: undecided, tolerance %.6g is less than the growth of up to %.1g per step that rounding makes here",
              name, tolerance, c->rounding);
   else if (isinf(c->courant))
-    MpmPrint("%s: none up to %.6g is unstable%s\n", name, MPM_CRITICAL_TO,
+    MpmPrint("%s: none up to %.6g is unstable%s", name, MPM_CRITICAL_TO,
              c->windows.n ? ", but for windows of growth" : "");
   else if (c->courant == 0 && c->stable_at == 0 && c->windows.looked)
-    MpmPrint("%s: 0, growth is beyond tolerance at each of %" PetscInt_FMT " Courant numbers from %.6g to %.6g\n", name,
+    MpmPrint("%s: 0, growth is beyond tolerance at each of %" PetscInt_FMT " Courant numbers from %.6g to %.6g", name,
              c->windows.looked, c->unstable_at, MPM_CRITICAL_TO);
   else if (c->courant == 0 && c->stable_at == 0)
-    MpmPrint("%s: 0, growth is beyond tolerance even at %.6g\n", name, c->unstable_at);
+    MpmPrint("%s: 0, growth is beyond tolerance even at %.6g", name, c->unstable_at);
   else if (c->courant == 0 && c->windows.looked)
-    MpmPrint("%s: 0, growth only fades to the tolerance below %.6g\n", name, c->unstable_at);
+    MpmPrint("%s: 0, growth only fades to the tolerance below %.6g", name, c->unstable_at);
   else if (c->courant == 0)
-    MpmPrint("%s: 0, the scheme grows at every one\n", name);
+    MpmPrint("%s: 0, the scheme grows at every one", name);
   else if (isinf(c->stable_at))
-    MpmPrint("%s: %.6g; any growth beyond it is within tolerance\n", name, c->courant);
+    MpmPrint("%s: %.6g; any growth beyond it is within tolerance", name, c->courant);
   else if (c->courant < c->stable_at)
-    MpmPrint("%s: %.6g; growth beyond it is within tolerance up to %.6g\n", name, c->courant, c->stable_at);
+    MpmPrint("%s: %.6g; growth beyond it is within tolerance up to %.6g", name, c->courant, c->stable_at);
   else
-    MpmPrint("%s: %.6g%s%s\n", name, c->courant, c->windows.n ? ", with windows of growth below it" : "",
+    MpmPrint("%s: %.6g%s%s", name, c->courant, c->windows.n ? ", with windows of growth below it" : "",
              MpmSceneDrifts(s) || !MpmSceneIsPeriodic(s) ? "" : ", for particles at rest (-drift for those that move)");
+  MpmPrint("; %s\n", layout);
   MpmReportWindows(result, 2, c->courant, &c->windows);
   if (c->stable_at > 0 && isfinite(c->unstable_at))
     MpmPrint("  bracket      growth within 1 + %.6g at %.10g, beyond at %.10g\n", tolerance, c->stable_at,
