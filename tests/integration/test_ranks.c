@@ -122,7 +122,9 @@ static PetscErrorCode CheckAlike(const char rest[], PetscBool expected)
   PetscCall(PetscSNPrintf(options, sizeof options, "-initial random -cells 1111 -courant 0.05 %s", rest));
   PetscCall(CheckScene(options, &scene));
   PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &alike));
-  CHECK(alike->nrows > 2 && alike->row[1].alike == expected, "%s: %d rows", options, (int)alike->nrows);
+  if (MpmRanksOf(PETSC_COMM_WORLD) ==
+      1) /* with more, rows may be few, or begin at other cells of a pattern of counts */
+    CHECK(alike->nrows > 2 && alike->row[1].alike == expected, "%s: %d rows", options, (int)alike->nrows);
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &read));
   for (PetscInt64 step = 0; step < check_request.steps; step++) {
     for (PetscInt r = 0; r < read->nrows; r++) read->row[r].alike = PETSC_FALSE;
