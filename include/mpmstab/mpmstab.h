@@ -36,6 +36,7 @@
 #include <mpmstab/operator.h>
 #include <mpmstab/scene.h>
 #include <mpmstab/scheme.h>
+#include <mpmstab/step_bound.h>
 #include <mpmstab/symbol.h>
 #include <mpmstab/table.h>
 #include <mpmstab/transfer.h>
