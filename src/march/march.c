@@ -217,9 +217,11 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   MpmPartition partition;
 
   PetscFunctionBegin;
-  m->layout     = layout;
-  m->scheme     = scheme;
-  m->engine     = layout->march == MPM_MARCH_PLAIN ? &MpmPlainMarch : &MpmFastMarch;
+  m->layout = layout;
+  m->scheme = scheme;
+  m->engine = layout->march == MPM_MARCH_PLAIN ? &MpmPlainMarch : &MpmFastMarch;
+  if (MpmTableIsFinite(scheme->table) && MpmTableHas(scheme->table, MPM_IMPLICIT) && MpmRanksOf(comm) > 1)
+    m->engine = &MpmPlainMarch; /* passes of a nonlinear system on several ranks come to numbers that are not finite */
   m->cell_width = 1;
   m->courant    = step->courant;
   for (PetscInt a = 0; a < layout->dim; a++) m->velocity[a] = step->drift[a].value / step->courant;
