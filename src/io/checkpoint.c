@@ -445,8 +445,10 @@ PetscErrorCode MpmCheckpointRead(const char path[], PetscInt64 steps, MpmMarch *
   PetscCall(MpmHdf5Close(&hdf5, &failed));
   PetscCall(ierr);
   PetscCall(MpmCheckpointCheckState(march, share.same, before.mass, path));
-  if (!share.same) PetscCall(MpmParticlesRebase(march->particles, march->grid));
-  if (march->engine->placed) PetscCall(march->engine->placed(march));
+  if (!share.same)
+    PetscCall(MpmMarchRebase(march));
+  else if (march->engine->placed)
+    PetscCall(march->engine->placed(march));
   PetscCall(MpmParticlesWeigh(march->particles));
   if (!share.same) PetscCall(MpmMarchStart(march));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -96,7 +96,7 @@ PetscErrorCode MpmFiniteFill(MpmMarch *march, PetscReal noise)
     PetscCall(FillField(march, mode ? &profile : NULL, noise, r, id));
   if (noise > 0) PetscCall(Displace(march, noise, id));
   PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
-  if (noise > 0) PetscCall(MpmParticlesRebase(march->particles, march->grid));
+  if (noise > 0) PetscCall(MpmMarchRebase(march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -220,8 +220,6 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   m->layout = layout;
   m->scheme = scheme;
   m->engine = layout->march == MPM_MARCH_PLAIN ? &MpmPlainMarch : &MpmFastMarch;
-  if (MpmTableIsFinite(scheme->table) && MpmTableHas(scheme->table, MPM_IMPLICIT) && MpmRanksOf(comm) > 1)
-    m->engine = &MpmPlainMarch; /* passes of a nonlinear system on several ranks come to numbers that are not finite */
   m->cell_width = 1;
   m->courant    = step->courant;
   for (PetscInt a = 0; a < layout->dim; a++) m->velocity[a] = step->drift[a].value / step->courant;
@@ -359,12 +357,19 @@ PetscErrorCode MpmMarchLoad(const MpmMarch *march, PetscReal *load)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmMarchRebase(MpmMarch *march)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesRebase(march->particles, march->grid));
+  if (march->engine->placed) PetscCall(march->engine->placed(march));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Migrate(MpmMarch *march)
 {
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(march->migrate_event, 0, 0, 0, 0));
-  PetscCall(MpmParticlesRebase(march->particles, march->grid));
-  if (march->engine->placed) PetscCall(march->engine->placed(march));
+  PetscCall(MpmMarchRebase(march));
   PetscCall(PetscLogEventEnd(march->migrate_event, 0, 0, 0, 0));
   march->fullest = PetscMax(march->fullest, march->particles->count);
   march->migrations++;

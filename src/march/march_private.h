@@ -148,6 +148,9 @@ PetscErrorCode MpmMarchStart(MpmMarch *march);
 /* Collective. The particles have moved: they migrate if need be. summed: nodes have what particles give to the next step. */
 PetscErrorCode MpmMarchMoved(MpmMarch *march, PetscBool summed);
 
+/* Collective. MpmParticlesRebase, and what the engine knows of the places made anew: whoever sends particles away calls this. */
+PetscErrorCode MpmMarchRebase(MpmMarch *march);
+
 /* The node field that stands for the nodal masses. */
 #define MPM_MASSES MPM_MAX_FIELDS
 
