@@ -54,7 +54,7 @@ static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *st
     if (MpmTasks[n].work)
       PetscCall(MpmTaskOnScene(&MpmTasks[n], argc - 2, argv + 2, started, status));
     else
-      PetscCall(MpmTaskList(argc - 2, argv + 2));
+      PetscCall(MpmTasks[n].words(argc - 2, argv + 2));
     if (!MpmTasks[n].work) *status = MPM_EXIT_DONE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }

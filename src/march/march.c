@@ -217,9 +217,9 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   MpmPartition partition;
 
   PetscFunctionBegin;
-  m->layout = layout;
-  m->scheme = scheme;
-  m->engine = layout->march == MPM_MARCH_PLAIN ? &MpmPlainMarch : &MpmFastMarch;
+  m->layout     = layout;
+  m->scheme     = scheme;
+  m->engine     = layout->march == MPM_MARCH_PLAIN ? &MpmPlainMarch : &MpmFastMarch;
   m->cell_width = 1;
   m->courant    = step->courant;
   for (PetscInt a = 0; a < layout->dim; a++) m->velocity[a] = step->drift[a].value / step->courant;

@@ -35,7 +35,7 @@ static void PrintBash(void)
   for (const MpmTask *task = MpmTasks; task->name; task++) {
     MpmPrint("    %s) options='", task->name);
     for (const MpmField *o = MpmOptions; o->name; o++)
-      if (strcmp(task->name, "list") && MpmFieldIsOf(o, task->name)) MpmPrint("-%s ", o->name);
+      if (!task->words && MpmFieldIsOf(o, task->name)) MpmPrint("-%s ", o->name);
     MpmPrint("' ;;\n");
   }
   MpmPrint("  esac\n"

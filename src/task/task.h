@@ -11,23 +11,25 @@ typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *
                                        PetscInt *missed);
 
 /*S
-   MpmTask - one task. example is a command that anybody can run. work is what it does on a scene; NULL: it has none.
+   MpmTask - one task. example is a command that anybody can run. work is what it does on a scene. A task that has no scene
+   has words instead, which takes the rest of the command line: usage says what this may be.
 S*/
 typedef struct {
   const char  *name, *summary, *example;
   MpmSceneWork work;
+  PetscErrorCode (*words)(int argc, char **argv);
+  const char *usage;
 } MpmTask;
 
 extern const MpmTask MpmTasks[];
 
 /*
    MpmTaskOnScene - makes a scene from the words [SCENE.yaml] [-option value]..., does the task's work on it, and sets
-   the exit status. MpmTaskList does the work of a task without a scene.
+   the exit status.
 
    Collective. Refuses options that nothing has read.
 */
 PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscReal started, int *status);
-PetscErrorCode MpmTaskList(int argc, char **argv);
 
 /*
    Collective. MpmPrintUsage describes the program in ten lines, and MpmPrintHelp a task: an example, and the options that
@@ -40,6 +42,8 @@ PetscErrorCode MpmPrintHelp(const char task[]);
 void           MpmTaskNames(size_t room, char text[]);
 
 /* Collective. The work of each task, in its file. */
+PetscErrorCode MpmTaskList(int argc, char **argv);
+PetscErrorCode MpmTaskAdapter(int argc, char **argv);
 PetscErrorCode MpmTaskRun(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
 PetscErrorCode MpmTaskSpectrum(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
 PetscErrorCode MpmTaskSymbol(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);

@@ -4,6 +4,7 @@
 #include "scene/fields.h"
 #include "scheme/language.h"
 #include "task/task.h"
+#include "task/texts.h"
 #include <jansson.h>
 #include <math.h>
 #include <slepcsys.h>
@@ -149,8 +150,6 @@ static PetscErrorCode ListVersions(void)
   MpmPrint("  %-14s %s\n", "MPI", mpi);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-extern const char MpmCodesText[]; /* codes.json */
 
 /*
    Each line of an option says what was read in the file that it names, at the commit of its code; what was not read is

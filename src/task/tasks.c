@@ -14,20 +14,23 @@
 
 const MpmTask MpmTasks[] = {
     {"run", "march a scene: error against the exact solution, measured growth, energy, throughput",
-     "run -formulation usl -cells 64 -courant 1/2 -time 1", MpmTaskRun},
+     "run -formulation usl -cells 64 -courant 1/2 -time 1", MpmTaskRun, NULL, NULL},
     {"spectrum", "eigenvalues of the assembled operator beside symbol, closed forms and measured growth",
-     "spectrum -formulation gas2 -drift 1/8 -cells 16 -courant 0.1", MpmTaskSpectrum},
+     "spectrum -formulation gas2 -drift 1/8 -cells 16 -courant 0.1", MpmTaskSpectrum, NULL, NULL},
     {"symbol", "abs(G) over the phase beta, exact for uniform layouts",
-     "symbol -formulation musl -drift 1/8 -courant 0.3", MpmTaskSymbol},
+     "symbol -formulation musl -drift 1/8 -courant 0.3", MpmTaskSymbol, NULL, NULL},
     {"critical", "the largest stable Courant number, and the wave or mode that limits it",
-     "critical -formulation musl -basis quadratic", MpmTaskCritical},
+     "critical -formulation musl -basis quadratic", MpmTaskCritical, NULL, NULL},
     {"map", "growth over two of Courant number, drift, offset and particles per cell",
-     "map -formulation musl -map_points 40,20", MpmTaskMap},
+     "map -formulation musl -map_points 40,20", MpmTaskMap, NULL, NULL},
     {"ensemble", "the share of random layouts that are unstable, with its 95% confidence interval",
-     "ensemble -formulation musl -jitter 0.5 -cells 16 -layouts 20", MpmTaskEnsemble},
+     "ensemble -formulation musl -jitter 0.5 -cells 16 -layouts 20", MpmTaskEnsemble, NULL, NULL},
     {"list", "formulations, bases, transfers, boundaries, layouts, options; 'list codes': public codes",
-     "list formulation musl", NULL},
-    {NULL, NULL, NULL, NULL},
+     "list formulation musl", NULL, MpmTaskList,
+     "[formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|scope|codes]"},
+    {"adapter", "an adapter for your own code, with five places to fill in", "adapter python", NULL, MpmTaskAdapter,
+     "python|octave|c|fortran|julia|javascript"},
+    {NULL, NULL, NULL, NULL, NULL, NULL},
 };
 
 /* Refuses files from which a run is to start and cannot. A matrix in the place of a scene has no run. */
@@ -67,11 +70,11 @@ PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscR
 
 void MpmPrintUsage(void)
 {
-  MpmPrint("mpmstab %s: is this material point scheme stable, for which time step, and how accurate?\n"
-           "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...\n",
-           MPMSTAB_VERSION);
+  MpmPrint(
+      "mpmstab %s: is this material point scheme stable, for which time step, and how accurate?\n"
+      "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...  as in: mpmstab spectrum -drift 1/8 -courant 0.1\n",
+      MPMSTAB_VERSION);
   for (const MpmTask *task = MpmTasks; task->name; task++) MpmPrint("  %-9s%s\n", task->name, task->summary);
-  MpmPrint("  mpmstab spectrum -drift 1/8 -cells 16 -courant 0.1    a first answer\n");
 }
 
 void MpmPrintVersion(void)
@@ -111,9 +114,8 @@ PetscErrorCode MpmPrintHelp(const char name[])
   MpmCheckInput(task->name, "help %.200s: allowed: %s%s%s%s", name, known, near ? "; did you mean " : "",
                 near ? near : "", near ? "?" : "");
   MpmPrint("mpmstab %s: %s\n  for example: mpmstab %s\n", task->name, task->summary, task->example);
-  if (!strcmp(task->name, "list")) {
-    MpmPrint("  mpmstab list [formulation [NAME]|basis|transfer [NAME "
-             "[NUMBER]]|boundary|layout|options|versions|scope|codes]\n");
+  if (task->words) {
+    MpmPrint("  mpmstab %s %s\n", task->name, task->usage);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   MpmPrint("options of this task: name, default, meaning\n");

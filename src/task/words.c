@@ -104,7 +104,7 @@ int MpmWordsRead(int *argc, char ***argv)
 
     Add(&words, IsAmong(given[1], versions) ? version : given[1]);
     if (task) memcpy(given[1], task->name, strlen(task->name));
-    if (n > 2 && task && strcmp(task->name, "list") && FormulationOf(given[2])) Add(&words, formulation_option);
+    if (n > 2 && task && !task->words && FormulationOf(given[2])) Add(&words, formulation_option);
     for (int i = 2; i < n; i++)
       if (IsOption(given[i]))
         AddOption(&words, given[i]);

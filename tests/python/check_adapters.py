@@ -1,0 +1,128 @@
+#!/usr/bin/python3
+"""Fills in the adapters that 'mpmstab adapter' prints, with the bar of examples/your-code, and compares the operators.
+
+check_adapters.py CC MPMSTAB, in a folder that may be filled. It prints which languages are not there. Before it is filled in
+an adapter answers nothing but an error that names the place.
+"""
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import numpy
+import scipy.io
+
+import checks
+from checks import check
+
+CC, MPMSTAB = sys.argv[1:]
+ROOT = pathlib.Path(checks.ROOT)
+CODE = ROOT / "examples/your-code"
+FOLDERS = os.pathsep.join([str(ROOT / "scripts/python"), str(CODE)])
+ENVIRONMENT = {**os.environ, "PYTHONPATH": FOLDERS, "PYTHONDONTWRITEBYTECODE": "1", "OCTAVE_PATH": str(CODE)}
+PLACES = range(1, 6)
+
+# language: file, how it is compiled, option, and what is put in the five places
+C_FIELDS = '"{\\"name\\": \\"x\\", \\"size\\": 1, \\"place\\": true}, {\\"name\\": \\"v\\", \\"size\\": 1, \\"scale\\": 1}, {\\"name\\": \\"stress\\", \\"size\\": 1, \\"scale\\": 1}"'
+C_GRID = '"\\"dim\\": 1, \\"cell_width\\": 0.0625, \\"periodic\\": [1.0]"'
+ADAPTERS = {
+    "python": ("mine.py", None, ["-program", f"{sys.executable} mine.py"], [
+        "import bar; state = bar.start(0)", "cell_width, periodic = bar.H, [1.0]", 'parameters = {"dt": bar.DT}',
+        'fields = {"x": {"place": True}, "v": {"scale": 1}, "stress": {"scale": 1}}', "step = bar.advance"]),
+    "octave": ("mine.m", None, ["-program", "octave-cli -q mine.m"], [
+        "state = struct('x', ((0:31).' + 0.5) / 32, 'v', zeros(32, 1), 'stress', zeros(32, 1));",
+        "about = struct('cell_width', 1 / 16, 'periodic', 1, 'name', 'mine');", "about.parameters = struct('dt', 1 / 32);",
+        "[about.place, about.scale] = deal('x', struct('v', 1, 'stress', 1));",
+        "function s = one(s, p), [s.x, s.v, s.stress] = advance(s.x, s.v, s.stress, 1 / 16, p.dt); end\nstep = @one;"]),
+    "c": ("mine.c", [CC, "-std=c11", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-o", "libmine_c.so", "mine.c", "-lm"], ["-plugin", "./libmine_c.so"], [
+        '#define start start_of_bar\n#define advance advance_of_bar\n#define p bar\n#define dt dt_of_bar\n#include "bar.h"\n#undef start\n#undef advance\n#undef p\n#undef dt',
+        f"static const char fields[] = {C_FIELDS};", f"static const char grid[] = {C_GRID};", "static double dt = 1.0 / 32;",
+        "static int start(Particle p[]) { start_of_bar(0); memcpy(p, bar, sizeof bar); return 0; }\n"
+        "static int advance(Particle p[]) { memcpy(bar, p, sizeof bar); dt_of_bar = dt; advance_of_bar(dt_of_bar); memcpy(p, bar, sizeof bar); return 0; }"]),
+    "fortran": ("mine.f90", ["gfortran", "-Wall", "-fPIC", "-shared", "-o", "libmine_f.so", CODE / "bar.f90", "mine.f90"], ["-plugin", "./libmine_f.so"], [
+        "integer, parameter :: particles = 32, numbers = 3",
+        'character(*), parameter :: fields = \'{"name": "x", "size": 1, "place": true}, {"name": "v", "size": 1, "scale": 1},\'// &\n'
+        '                                  \'{"name": "stress", "size": 1, "scale": 1}\'',
+        'character(*), parameter :: grid = \'"dim": 1, "cell_width": 0.0625, "periodic": [1.0]\'', "real(c_double) :: dt = 1d0/32",
+        "subroutine start(p, failed)\n use bar, only: begin => start, x, v, stress\n real(c_double), intent(out) :: p(numbers, particles)\n integer, intent(out) :: failed\n"
+        " call begin(0d0); p(1, :) = x; p(2, :) = v; p(3, :) = stress; failed = 0\nend subroutine\n"
+        "subroutine advance(p, failed)\n use bar, only: go => advance, x, v, stress, dt_of_bar => dt\n real(c_double), intent(inout) :: p(numbers, particles)\n integer, intent(out) :: failed\n"
+        " x = p(1, :); v = p(2, :); stress = p(3, :); dt_of_bar = dt; call go()\n p(1, :) = x; p(2, :) = v; p(3, :) = stress; failed = 0\nend subroutine"]),
+    "javascript": ("mine.js", None, ["-program", "node mine.js"], [
+        "const state = { x: [], v: [], stress: [] };\nfor (let i = 0; i < 32; i++) { state.x.push([(i + 0.5) / 32]); state.v.push([0]); state.stress.push([0]); }",
+        "const grid = { dim: 1, cell_width: 1 / 16, periodic: [1] };", "const parameters = { dt: 1 / 32 };",
+        "const known = { x: { place: true }, v: { scale: 1 }, stress: { scale: 1 } };",
+        """function step(s, { dt }) {
+  const cells = 16, h = 1 / cells, mass = Array(cells).fill(0), momentum = Array(cells).fill(0), force = Array(cells).fill(0);
+  const visit = (p, f) => { const c = Math.floor(s.x[p][0] / h), w = s.x[p][0] / h - c, a = (c + cells) % cells; f(a, 1 - w, -1 / h); f((a + 1) % cells, w, 1 / h); };
+  for (const p in s.x) visit(p, (i, w, g) => { mass[i] += w * h / 2; momentum[i] += w * h / 2 * s.v[p][0]; force[i] -= g * h / 2 * s.stress[p][0]; });
+  console.log('a line that is no answer');
+  for (const p in s.x) {
+    let [dv, dx, ds] = [0, 0, 0];
+    visit(p, (i, w, g) => { const v = (momentum[i] + dt * force[i]) / mass[i]; dv += dt * w * force[i] / mass[i]; ds += dt * g * v; dx += dt * w * v; });
+    s.v[p][0] += dv; s.stress[p][0] += ds; s.x[p][0] += dx - Math.floor(s.x[p][0] + dx);
+  }
+}"""]),
+}
+INTERPRETERS = {"python": sys.executable, "octave": "octave-cli", "c": CC, "fortran": "gfortran", "javascript": "node", "julia": "julia"}
+
+
+def ran(*words, fails=False):
+    """Runs a command. Returns what it prints: to standard error, if it is to fail."""
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False, env=ENVIRONMENT)
+    check((done.returncode != 0) == fails, f"{' '.join(map(str, words))}: {done.returncode}, {done.stderr[-1000:]}")
+    return done.stderr if fails else done.stdout
+
+
+def filled(text, places):
+    """An adapter with these in its places: what follows a line with FILL, as far as an empty line."""
+    parts, lines = [], iter(text.splitlines())
+    for line in lines:
+        parts.append(line)
+        if " FILL " in line and line.lstrip()[:1] in "#%/!":
+            number = int(line.split(" FILL ")[1][0])
+            parts.append(places[number - 1])
+            for line in lines:
+                if not line.strip():
+                    break
+            parts.append("")
+    return "\n".join(parts) + "\n"
+
+
+def check_language(language, expected):
+    path, compiler, option, places = ADAPTERS[language]
+    text = ran(MPMSTAB, "adapter", language)
+    found = [n for n in PLACES if f" FILL {n}: " in text]
+    check(found == list(PLACES), f"{language}: places {found}, expected {list(PLACES)}")
+    for to, said in ((text, "FILL 5"), (filled(text, places), None)):
+        pathlib.Path(path).write_text(to, encoding="utf-8")
+        if compiler:
+            ran(*compiler, *([f"-I{CODE}"] if language == "c" else []))
+        words = [MPMSTAB, "spectrum", *option, "-write_matrix", "probed.mtx"]
+        if said:
+            check(said in ran(*words, fails=True), f"{language}: an adapter that is not filled in does not name the place")
+        else:
+            ran(*words, "-expect", "stable")
+    matrix = scipy.io.mmread("probed.mtx").toarray()
+    check(matrix.shape == expected.shape, f"{language}: {matrix.shape}, expected {expected.shape}")
+    apart = numpy.max(numpy.abs(matrix - expected))
+    check(apart <= 1e-9, f"{language}: the operator of the filled adapter is apart by {apart:.2g}, allowed 1e-9")
+
+
+def main():
+    ran(MPMSTAB, "spectrum", "-formulation", "usl", "-cells", 16, "-courant", 0.5, "-write_matrix", "own.mtx")
+    expected = scipy.io.mmread("own.mtx").toarray()
+    pathlib.Path("mpmstab_serve.m").write_text(ran(MPMSTAB, "adapter", "mpmstab_serve.m"), encoding="utf-8")
+    for language, interpreter in INTERPRETERS.items():
+        if not shutil.which(interpreter) or language not in ADAPTERS:
+            print(f"{language}: not checked, since {interpreter} is not there" if not shutil.which(interpreter) else f"{language}: nobody has filled it in here yet")
+            continue
+        check_language(language, expected)
+        print(f"{language}: the operator of the filled adapter is that of usl")
+    said = ran(MPMSTAB, "adapter", "pyton", fails=True)
+    check("did you mean python?" in said, f"an unknown language: {said}")
+
+
+if __name__ == "__main__":
+    main()
