@@ -163,10 +163,11 @@ static PetscErrorCode ListCodes(void)
   PetscFunctionBegin;
   PetscCheck(codes, PETSC_COMM_SELF, PETSC_ERR_PLIB, "codes.json is not JSON");
   json_array_foreach (codes, c, code) {
-    const char *name, *repository, *version, *said, *here, *file, *before = "", *scheme = NULL, *limit = "";
+    const char *name, *repository, *version, *said, *here, *file, *before = "", *scheme = NULL, *limit = "",
+                                                                  *ran = NULL;
 
-    PetscCheck(!json_unpack(code, "{s:s, s:s, s:s, s:o, s?s, s?s}", "name", &name, "repository", &repository, "version",
-                            &version, "options", &options, "scheme", &scheme, "limit", &limit),
+    PetscCheck(!json_unpack(code, "{s:s, s:s, s:s, s:o, s?s, s?s, s?s}", "name", &name, "repository", &repository,
+                            "version", &version, "options", &options, "scheme", &scheme, "limit", &limit, "ran", &ran),
                PETSC_COMM_SELF, PETSC_ERR_PLIB, "codes.json: code %zu", c);
     MpmPrint("  %s: %s, commit %s\n", name, repository, version);
     json_array_foreach (options, o, option) {
@@ -176,6 +177,7 @@ static PetscErrorCode ListCodes(void)
       before = file;
       MpmPrint("      %-44s %s\n", said, here);
     }
+    if (ran) MpmPrint("    run here: %s\n", ran);
     if (scheme) MpmPrint("    limit %s: mpmstab critical %s\n", limit, scheme);
   }
   json_decref(codes);
@@ -213,7 +215,9 @@ static const struct {
     {"scope", "what is answered", ListScope, PETSC_FALSE},
     {"codes",
      "public codes: their options, what those are here, and the file that says so; for what runs by default, the\n"
-     "largest stable c dt / h in one dimension, two particles a cell, at rest, and what prints it",
+     "largest stable c dt / h in one dimension, two particles a cell, at rest, and what prints it. A code without the "
+     "line\n"
+     "'run here' was only read",
      ListCodes, PETSC_TRUE}};
 
 /* A list by its name, or by its plural as in 'list formulations'. */

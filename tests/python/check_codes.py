@@ -28,7 +28,7 @@ def names_of(what):
 def read_table(text):
     """Returns the codes by name: a code has its own line, its rows (option, here, file) and the line of its limit."""
     codes = {}
-    for line in text.splitlines()[2:]:
+    for line in text.splitlines()[3:]:
         indent, words = len(line) - len(line.lstrip()), line.strip()
         if indent == 2:
             name, source = words.split(": ", 1)
@@ -36,6 +36,8 @@ def read_table(text):
             code = codes[name] = {"source": source, "rows": [], "limit": None, "lines": 0}
         elif indent == 4 and words.startswith("limit "):
             code["limit"] = words
+        elif indent == 4 and words.startswith("run here: "):
+            check(os.path.exists(os.path.join(ROOT, words.split(": ")[1])), f"{name}: no page {words}")
         elif indent == 4:
             file = words
         else:
@@ -118,6 +120,7 @@ def check_steps(codes):
             ("Taichi, examples", "mpm3d.py", math.sqrt(400), 4e-4, 32),
             ("taichi_elements", "mpm_solver.py", solid(0.3 * 1e6, 0.2, 1000), 2e-2, 1),
             ("taichi_mpm", "explained.cpp", solid(1e4, 0.2, 1), 1e-4, 80),
+            ("mls-mpm.js", "mls-mpm.js", solid(1e4, 0.2, 1), 1e-4, 80),
             ("DiffTaichi", "diffmpm.py", math.sqrt(30), 1e-3, 128),  # lambda = mu = 10, density 1
             ("DiffTaichi", "diffmpm3d.py", math.sqrt(30), 2e-3, 64)):
         says = [here for _, here, path in codes[code]["rows"] if path.endswith(file)]
