@@ -5,7 +5,6 @@ import os
 import re
 import urllib.parse
 
-from picture_style import encoded
 from whole_files import write_whole
 
 LARGEST_SVG = 400_000  # bytes; a larger picture is embedded as PNG
@@ -70,6 +69,8 @@ class Album:
                 f'</button><figcaption>{caption} <a href="{link}">{kind.upper()}</a></figcaption></figure>')
 
     def draw(self, name, figure, alt, caption):
+        from picture_style import encoded  # here: pages that draw by themselves need no matplotlib
+
         data, kind = encoded(figure, "svg"), "svg"
         if len(data) > LARGEST_SVG:
             data, kind = encoded(figure, "png"), "png"

@@ -76,8 +76,9 @@ class Layout:
         if nodes is None:
             origin = h * (numpy.floor(x.min(axis=0) / h) - 2)
             nodes = numpy.floor((x.max(axis=0) - origin) / h) + 4
-        self.shape = numpy.broadcast_to(numpy.asarray(nodes, int), (self.dim,))
-        t = (x - (0 if origin is None else origin)) / h
+        self.shape, self.h = numpy.broadcast_to(numpy.asarray(nodes, int), (self.dim,)), h
+        self.origin = numpy.broadcast_to(numpy.asarray(0.0 if origin is None else origin), (self.dim,))
+        t = (x - self.origin) / h
         self.set_weights(t, h, basis, gradient, numpy.broadcast_to(periodic, (self.dim,)))
         # for products, which then run along the particles
         self.by_node = numpy.ascontiguousarray(self.node.T), numpy.ascontiguousarray(numpy.moveaxis(self.g, (2, 1, 0), (0, 1, 2)))
@@ -132,17 +133,21 @@ class Layout:
 
     def particle(self, sweeps=0):
         """The least bound of all splits of the masses of nodes, and the particle that decides."""
-        length = numpy.sqrt(numpy.sum(self.g ** 2, axis=-1))
         share, least = numpy.ones(self.n), (numpy.inf, -1)
         for _ in range(sweeps + 1):
-            total = self.sum_nodes((self.volume * share)[:, None] * length)
-            per_mass = numpy.where(self.free.any(axis=1), total / numpy.where(self.nodal_mass > 0, self.nodal_mass, 1), 0)
-            own = self.of_particles(per_mass[self.node] / (numpy.where(length > 0, length, 1) * share[:, None]))
+            own = self.split(share)
             least = min(least, (own.max(), int(own.argmax())))
             if not own.max() > 0:
                 break
             share = numpy.maximum(share * own / own.max(), LEAST_SHARE)
         return least
+
+    def split(self, share):
+        """The bound of each particle, where a node's mass is split by share V |grad S|."""
+        length = numpy.sqrt(numpy.sum(self.g ** 2, axis=-1))
+        total = self.sum_nodes((self.volume * share)[:, None] * length)
+        per_mass = numpy.where(self.free.any(axis=1), total / numpy.where(self.nodal_mass > 0, self.nodal_mass, 1), 0)
+        return self.of_particles(per_mass[self.node] / (numpy.where(length > 0, length, 1) * share[:, None]))
 
     def product(self, v, energies=False):
         """M^-1/2 K M^-1/2 v, v of nodes x dim; or the strain energies of the particles, twice."""
@@ -163,25 +168,39 @@ class Layout:
         v = numpy.where(self.free, v.reshape(self.root.shape), 0)
         if not self.free.any():
             return 0.0, 0.0, None
-        v /= numpy.linalg.norm(v)
-        before, alpha, beta, size, kept = numpy.zeros_like(v), [], [], 0, []
-        while len(alpha) < products and (not beta or beta[-1] > NO_LENGTH * size):
-            kept += [v] if mode else []
-            w = self.product(v) - (beta[-1] * before if beta else 0)
-            alpha.append(float(numpy.vdot(w, v)))
-            w -= alpha[-1] * v
-            beta.append(float(numpy.linalg.norm(w)))
-            size = max(size, alpha[-1] + 2 * beta[-1])
-            before, v = v, w / (beta[-1] or 1)
-        if not size > 0:
-            return 0.0, 0.0, None
-        beta[-1] = max(beta[-1], NO_LENGTH * size)
-        level = numpy.log(numpy.sqrt(2 * numpy.count_nonzero(self.free) / numpy.pi) / chance)
-        tridiagonal = numpy.diag(alpha) + numpy.diag(beta[:-1], 1) + numpy.diag(beta[:-1], -1)
-        ritz, vectors = numpy.linalg.eigh(tridiagonal)
-        found = sum(s * k for s, k in zip(vectors[:, -1], kept)) if mode else None
-        most = max(largest_root(alpha, beta, level, size), float(ritz[-1]) * (1 + ROUNDING))
-        return most, float(ritz[-1]), found
+        return lanczos(self.product, v, certain(numpy.count_nonzero(self.free), chance), products, mode)
+
+
+def certain(unknowns, chance):
+    """The logarithm of what a polynomial of Lanczos exceeds at the largest eigenvalue with this chance at most."""
+    return numpy.log(numpy.sqrt(2 * unknowns / numpy.pi) / chance)
+
+
+def lanczos(product, v, level, products, mode=False, accuracy=0.0):
+    """The largest eigenvalue from above (level: certain()) and from below, and with mode its vector, else None.
+
+    With an accuracy it ends when the residual of the largest Ritz value is below this part of it.
+    """
+    v = v / numpy.linalg.norm(v)
+    before, alpha, beta, size, kept, residual = numpy.zeros_like(v), [], [], 0, [], numpy.inf
+    while len(alpha) < products and (not beta or beta[-1] > NO_LENGTH * size) and residual > accuracy:
+        kept += [v] if mode else []
+        w = product(v) - (beta[-1] * before if beta else 0)
+        alpha.append(float(numpy.vdot(w, v)))
+        w -= alpha[-1] * v
+        beta.append(float(numpy.linalg.norm(w)))
+        size = max(size, alpha[-1] + 2 * beta[-1])
+        before, v = v, w / (beta[-1] or 1)
+        if accuracy and len(alpha) % 10 == 0:
+            ritz, vectors = numpy.linalg.eigh(numpy.diag(alpha) + numpy.diag(beta[:-1], 1) + numpy.diag(beta[:-1], -1))
+            residual = beta[-1] * abs(vectors[-1, -1]) / ritz[-1]
+    if not size > 0:
+        return 0.0, 0.0, None
+    beta[-1] = max(beta[-1], NO_LENGTH * size)
+    ritz, vectors = numpy.linalg.eigh(numpy.diag(alpha) + numpy.diag(beta[:-1], 1) + numpy.diag(beta[:-1], -1))
+    found = sum(s * k for s, k in zip(vectors[:, -1], kept)) if mode else None
+    most = max(largest_root(alpha, beta, level, size), float(ritz[-1]) * (1 + ROUNDING))
+    return most, float(ritz[-1]), found
 
 
 def largest_root(alpha, beta, level, size):
