@@ -80,6 +80,10 @@ def check_numpy():
     check(0.8 * exact < bound < exact, f"mpm88.py: bound {bound}, exact {exact}")
     run(sys.executable, program, "--still")
     run(sys.executable, program, "--still", "--share", str(1.1 * exact / bound), status=3)
+    first = run(sys.executable, os.path.join(FOLDER, "picture.py"), "--check")  # the first picture of README.md
+    step = float(re.search(r" of (\S+) s", first)[1])
+    with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as file:
+        check(f"up to {1e3 * step:.2f} ms" in file.read(), f"README.md does not say {1e3 * step:.2f} ms under its first picture")
 
 
 def check_bounds():
