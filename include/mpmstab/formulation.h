@@ -58,6 +58,8 @@
                     is an operation for each component, one after the other, with axis as the number of the component: the
                     first of them solves for all, so that interpreters pass over the others. At finite deformation it is the
                     a_i with a_i = f(a_i), where the table of its own has the lines of f (MpmTable).
+   MPM_COLLIDE    - node += component axis of P(u) - u at the nodes inside colliders, P what they make of a velocity; src is
+                    that component of u, whose others are next to it
    MPM_WALL       - node = a f at the wall node of one end (side) alone
    MPM_DRIFT      - x_p += U0 dt
 
@@ -94,6 +96,7 @@ typedef enum {
   MPM_COPY,
   MPM_SOLVE,
   MPM_IMPLICIT,
+  MPM_COLLIDE,
   MPM_WALL,
   MPM_ADVANCE,
   MPM_DRIFT,

@@ -1,6 +1,7 @@
 /* Layout: the grid, the places of the particles at rest, and their materials. */
 #pragma once
 #include <mpmstab/boundary.h>
+#include <mpmstab/collider.h>
 #include <mpmstab/formulation.h>
 #include <mpmstab/fraction.h>
 
@@ -119,6 +120,7 @@ typedef struct {
    march      - how a march is run
    ranks      - the number of ranks along each direction; 0: those with the fewest ghosts
    given      - the particles of a file, which take the place of those at sites; NULL: none
+   colliders  - the rigid bodies; NULL: none
 S*/
 typedef struct {
   const char  *name;
@@ -138,6 +140,8 @@ typedef struct {
   PetscInt64   nspans;
   MpmSpan     *spans;
   MpmGiven    *given;
+
+  const MpmColliders *colliders;
 } MpmLayout;
 
 /* Not collective. The numbers of cells and nodes of the grid, and of the sites in the fullest cell, over all directions. */

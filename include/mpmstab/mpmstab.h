@@ -13,6 +13,7 @@
    The parts of a scene:
 
      layout.h       the grid and the particles at rest
+     collider.h     rigid bodies that act on nodal velocities
      scheme.h       formulation.h with a basis (basis.h) and a transfer (transfer.h); Courant number and drift
      table.h        formulation, transfer and boundary (boundary.h) as one list of operations
      material.h     materials at finite strain: stress, its differential, energy and wave speed
@@ -25,6 +26,7 @@
 #pragma once
 #include <mpmstab/basis.h>
 #include <mpmstab/boundary.h>
+#include <mpmstab/collider.h>
 #include <mpmstab/compat.h>
 #include <mpmstab/critical.h>
 #include <mpmstab/errors.h>

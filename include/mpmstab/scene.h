@@ -44,6 +44,7 @@ typedef void (*MpmBodyForce)(const MpmScene *scene, const PetscReal X[], PetscRe
    lame_ratio, exponent - lambda / mu of neo, and the exponent of tait and polytropic
    gravity, body_force - at finite deformation, forces per mass: uniform, in length / time^2; and one that depends on place
                           and time, or NULL
+   colliders              - the bodies of the layout, as text; "" without any
    scheme_hash, parameters - what tells the written scheme from others, and the values of its parameters; "" without one
 S*/
 struct MpmScene_ {
@@ -58,7 +59,7 @@ struct MpmScene_ {
   MpmPolarisation polarisation;
   MpmWritten     *written;
   MpmFormulation *own;
-  char            scheme_hash[17], parameters[512];
+  char            scheme_hash[17], parameters[512], colliders[512];
   const MpmLaw   *law;
   PetscReal       stretch[MPM_MAX_DIM], lame_ratio, exponent;
   PetscReal       gravity[MPM_MAX_DIM];

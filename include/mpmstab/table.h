@@ -129,6 +129,7 @@ extern const char *const MpmMoveNames[];
    stretch  - at finite deformation the uniform stretch of the start along each direction
    stiffness - at finite deformation c0^2 / c^2, where c0 is the wave speed at rest, the unit of the material, and c that
               of the Courant number
+   collides - there are colliders (collider.h): IMPOSE and REACT of a vector have their COLLIDE besides
    ends     - the kinds of the left and of the right end of each direction. IMPOSE and REACT become WALL at those that
               are fixed, and nothing at others.
 S*/
@@ -140,7 +141,7 @@ typedef struct {
   PetscReal     prestress[MPM_MAX_STRESS], lambda, mu, squares[MPM_MAX_DIM];
   PetscBool     curved, displaced;
   MpmMove       move;
-  PetscBool     finite, loaded;
+  PetscBool     finite, loaded, collides;
   PetscReal     stretch[MPM_MAX_DIM], stiffness;
   MpmEnd        ends[MPM_MAX_DIM][2];
 

@@ -22,7 +22,8 @@ PetscBool MpmLeftmostDecides(const MpmLayout *layout, const MpmScheme *scheme, c
 
   if (!scheme->formulation->leftmost || !scheme->transfer->leftmost) return PETSC_FALSE;
   if (MpmSpaceIsPrestressed(space) || space->displaced || space->finite) return PETSC_FALSE;
-  if (MpmStepDrifts(step) || (!MpmLayoutIsFull(layout) && !MpmLayoutIsScattered(layout))) return PETSC_FALSE;
+  if (layout->colliders || MpmStepDrifts(step) || (!MpmLayoutIsFull(layout) && !MpmLayoutIsScattered(layout)))
+    return PETSC_FALSE;
   if (scheme->basis->hat && IsOnNode(layout)) return PETSC_FALSE;
   for (PetscInt a = 0; a < layout->dim; a++)
     for (int end = 0; end < 2; end++)

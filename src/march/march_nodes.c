@@ -99,6 +99,36 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
   }
 }
 
+/*
+   Adds what colliders make of a velocity, op->src and the components next to it, along op->axis. The images beyond walls follow
+   from the nodes inside. No particle feels a node without mass.
+*/
+static void Collide(const MpmMarch *march, const MpmNodeOp *op, PetscReal time, const PetscReal inverse_mass[],
+                    PetscReal *const field[])
+{
+  const MpmGrid   *grid = march->grid;
+  const MpmGridBox box  = MpmGridBoxOf(grid, grid->ghost - op->depth);
+  PetscInt         at[MPM_MAX_DIM];
+
+  for (at[2] = box.lo[2]; at[2] < box.hi[2]; at[2]++)
+    for (at[1] = box.lo[1]; at[1] < box.hi[1]; at[1]++)
+      for (at[0] = box.lo[0]; at[0] < box.hi[0]; at[0]++) {
+        PetscReal x[MPM_MAX_DIM], u[MPM_MAX_DIM], slope[MPM_MAX_DIM * MPM_MAX_DIM], before, sign;
+        PetscInt  node = at[0];
+
+        for (PetscInt a = 1; a < grid->dim; a++) node += grid->axis[a].stride * at[a];
+        if (inverse_mass[node] == 0) continue;
+        for (PetscInt a = 0; a < grid->dim; a++) {
+          x[a] = MpmDirectionImage(&march->layout->grid[a], grid->axis[a].first + at[a], MPM_EVEN, &sign);
+          u[a] = field[op->src - op->axis + a][node];
+        }
+        before = u[op->axis];
+        if (MpmCollidersProject(march->layout->colliders, grid->dim, x, time, u, slope))
+          field[op->dst][node] += u[op->axis] - before;
+      }
+  Images(march, march->scheme->table->parity[op->dst], PETSC_FALSE, field[op->dst]);
+}
+
 PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmNodeOp *op, PetscInt64 step, PetscReal *const field[])
 {
   const MpmMarch  *march  = arrays->march;
@@ -109,6 +139,8 @@ PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmNodeOp *op, Pe
   PetscFunctionBegin;
   if (op->kind == MPM_WALL)
     SetWall(grid, op, field[op->src], field[op->dst]);
+  else if (op->kind == MPM_COLLIDE)
+    Collide(march, op, march->scene ? MpmMarchTime(march, step) : 0, arrays->sum[MPM_MASSES], field);
   else if (op->kind == MPM_SOLVE)
     PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, step, &places,
                                  march->scheme->table->parity[op->dst], arrays->sum[MPM_MASSES], field[op->src],

@@ -398,6 +398,7 @@ PetscErrorCode MpmNodalPlanCreate(const MpmTable *table, const char **why, MpmNo
   PetscFunctionBegin;
   if (MpmTableHas(table, MPM_IMPLICIT))
     b.why_not = "a step solves a linear system of them, which is no sum of products";
+  if (MpmTableHas(table, MPM_COLLIDE)) b.why_not = "colliders mix the components of the velocity";
   PetscCall(PetscNew(plan));
   b.plan = *plan;
   PetscCall(Build(&b));

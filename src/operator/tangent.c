@@ -9,6 +9,7 @@
      STRESS_AHEAD T = T(L, F)              dT = sum dT/dL_ab dL_ab + sum dT/dF_ab dF_ab
      IMPLICIT a = k f(k (v + theta a))     (1 - k^2 theta f') da = k df at the same a, f' the derivative by w = k (v + theta a)
      LOAD   b                              db = 0
+     COLLIDE y += P(u) - u                 dy += dP/du du - du, of the branch of P that u is on
      STRETCH F = A F, A = I + L + a L L    dF = A dF + (dL + a (dL L + L dL)) F
 
    All weights are those of the start of the step. Operations that are linear with constant numbers are their own
@@ -52,7 +53,7 @@ static Slots SlotsOf(const MpmTable *t)
 typedef struct {
   const MpmSlab  *sizes;
   const MpmTable *table;
-  PetscReal       courant;
+  PetscReal       courant, time;
   Slots           slot;
   MpmPlacedMaps   maps;
   MpmStepProgram *program;
@@ -481,6 +482,22 @@ static PetscErrorCode Load(Builder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Collide(Builder *b, const MpmOp *op)
+{
+  const PetscInt first = b->slot.node + op->src - op->axis;
+  Vec            adds, slope[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(MpmCollision(b->sizes, op, b->time, &b->value[first], &adds, slope));
+  PetscCall(VecAXPY(b->value[b->slot.node + op->dst], 1, adds));
+  PetscCall(VecDestroy(&adds));
+  for (PetscInt d = 0; d < b->table->dim; d++) {
+    PetscCall(Append(b, b->slot.node + op->dst, first + d, NULL, PETSC_FALSE, slope[d], NULL, 1));
+    PetscCall(VecDestroy(&slope[d]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* x += the way that particles go. The places of the builder are how far they have gone. */
 static PetscErrorCode Advance(Builder *b, const MpmOp *op)
 {
@@ -612,10 +629,14 @@ static PetscErrorCode Implicit(Builder *b, const MpmOp *op)
 static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  MpmLine           line[2];
+  MpmLine           line[MPM_MAX_DIM];
   PetscInt          n;
 
   PetscFunctionBegin;
+  if (op->kind == MPM_COLLIDE) {
+    PetscCall(Collide(b, op));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmLinesOfOp(b->sizes, op, b->slot.node, line, &n));
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(AppendLinear(b, line[i]));
@@ -659,6 +680,7 @@ static PetscErrorCode Begin(Builder *b, MpmTangentSpace *space, PetscReal couran
   *b = (Builder){.sizes   = &space->sizes,
                  .table   = space->sizes.scheme->table,
                  .courant = courant,
+                 .time    = state->time,
                  .load    = state->load,
                  .slot    = SlotsOf(space->sizes.scheme->table),
                  .maps    = {.sizes = &space->sizes, .places = &state->places}};

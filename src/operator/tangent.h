@@ -25,10 +25,12 @@ typedef struct {
 
    places - where they are
    field  - the registers of the table's state
+   time   - of the state, at which colliders are where they are
    load   - the body force on each particle in each direction, which does not depend on the state, in units of c^2 / h
 S*/
 typedef struct {
   MpmParticlePlaces places;
+  PetscReal         time;
   Vec               field[MPM_MAX_FIELDS], load[MPM_MAX_DIM];
 } MpmTangentState;
 

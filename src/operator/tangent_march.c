@@ -78,6 +78,7 @@ PetscErrorCode MpmTangentStateOf(const MpmTangentSpace *space, const MpmMarch *m
       state->places.xi[a][p]   = value[columns * p + dim + a];
     }
   PetscCall(VecRestoreArrayRead(all, &value));
+  state->time = march->scene ? MpmMarchTime(march, march->particles->step) : 0;
   PetscCall(SetLoad(space, march, state));
   PetscCall(VecDestroy(&all));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,5 +1,6 @@
 /* Lowering: a table is turned into lines once, and nobody asks its operations for their kind after that. */
 #include "program/program.h"
+#include <mpmstab/errors.h>
 
 PetscErrorCode MpmRegistersOf(const MpmSlab *slab, MpmRegisters *r)
 {
@@ -17,6 +18,15 @@ PetscErrorCode MpmRegistersOf(const MpmSlab *slab, MpmRegisters *r)
 
 static PetscErrorCode AppendOps(MpmStepProgram *p, MpmMaps *maps, const MpmTable *table);
 
+static PetscErrorCode NodeVector(const MpmSlab *slab, Vec *vector)
+{
+  PetscFunctionBegin;
+  PetscCall(VecCreate(slab->comm, vector));
+  PetscCall(VecSetSizes(*vector, slab->nodes, PETSC_DETERMINE));
+  PetscCall(VecSetType(*vector, VECSTANDARD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* 0 on the nodes of a wall, 1 elsewhere. */
 static PetscErrorCode Elsewhere(const MpmSlab *slab, const MpmOp *op, Vec *vector)
 {
@@ -24,9 +34,7 @@ static PetscErrorCode Elsewhere(const MpmSlab *slab, const MpmOp *op, Vec *vecto
   PetscReal     *v;
 
   PetscFunctionBegin;
-  PetscCall(VecCreate(slab->comm, vector));
-  PetscCall(VecSetSizes(*vector, slab->nodes, PETSC_DETERMINE));
-  PetscCall(VecSetType(*vector, VECSTANDARD));
+  PetscCall(NodeVector(slab, vector));
   PetscCall(VecGetArrayWrite(*vector, &v));
   for (PetscInt i = 0; i < slab->nodes; i++) {
     PetscInt stride;
@@ -34,6 +42,60 @@ static PetscErrorCode Elsewhere(const MpmSlab *slab, const MpmOp *op, Vec *vecto
     v[i] = MpmNodeAlong(slab->layout, slab->node0 + i, op->axis, &stride) != wall;
   }
   PetscCall(VecRestoreArrayWrite(*vector, &v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCollision(const MpmSlab *slab, const MpmOp *op, PetscReal time, const Vec u[], Vec *adds,
+                            Vec slope[MPM_MAX_DIM])
+{
+  const PetscInt dim = slab->layout->dim;
+  PetscReal     *to[MPM_MAX_DIM], *add, v[MPM_MAX_DIM] = {0}, x[MPM_MAX_DIM], J[MPM_MAX_DIM * MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(NodeVector(slab, adds));
+  PetscCall(VecGetArray(*adds, &add));
+  for (PetscInt d = 0; d < dim; d++) {
+    PetscCall(VecDuplicate(*adds, &slope[d]));
+    PetscCall(VecGetArray(slope[d], &to[d]));
+  }
+  for (PetscInt i = 0; i < slab->nodes; i++) {
+    PetscReal before;
+    PetscInt  stride;
+
+    for (PetscInt d = 0; d < dim; d++) {
+      x[d] = MpmNodeAlong(slab->layout, slab->node0 + i, d, &stride);
+      v[d] = 0;
+      if (u) PetscCall(VecGetValues(u[d], 1, &(PetscInt){slab->node0 + i}, &v[d]));
+    }
+    before = v[op->axis];
+    if (!MpmCollidersProject(slab->layout->colliders, dim, x, time, v, J)) continue;
+    add[i] = v[op->axis] - before;
+    for (PetscInt d = 0; d < dim; d++) to[d][i] = J[dim * op->axis + d] - (d == op->axis);
+  }
+  for (PetscInt d = 0; d < dim; d++) PetscCall(VecRestoreArray(slope[d], &to[d]));
+  PetscCall(VecRestoreArray(*adds, &add));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Colliders that are linear: dst += (P - 1) u along one axis. */
+static PetscErrorCode Collide(const MpmSlab *slab, const MpmOp *op, MpmLine line[MPM_MAX_DIM], PetscInt *n)
+{
+  const MpmLine of = line[0];
+  Vec           adds, slope[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  MpmCheckInput(
+      MpmCollidersAreLinear(slab->layout->colliders),
+      "colliders: a step with friction, contact separating or a body that moves is not linear; allowed: sticky, "
+      "or slip without friction, at rest; 'mpmstab run', or with kinematics finite its tangent at a state "
+      "(at_step)");
+  PetscCall(MpmCollision(slab, op, 0, NULL, &adds, slope));
+  PetscCall(VecDestroy(&adds));
+  for (*n = 0; *n < slab->layout->dim; ++*n) {
+    line[*n]      = of;
+    line[*n].src  = of.src - op->axis + *n;
+    line[*n].left = slope[*n];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -51,10 +113,11 @@ static PetscErrorCode Wall(const MpmSlab *slab, const MpmOp *op, MpmLine line[2]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes, MpmLine line[2], PetscInt *n)
+PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes, MpmLine line[MPM_MAX_DIM],
+                            PetscInt *n)
 {
-  const PetscBool on_nodes = op->kind == MPM_WALL || op->kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool adds = op->kind == MPM_ADD || (op->kind == MPM_COPY && op->accumulates) ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool on_nodes = op->kind == MPM_WALL || op->kind == MPM_COPY || op->kind == MPM_COLLIDE;
+  const PetscBool adds     = op->kind == MPM_ADD || (on_nodes && op->accumulates) ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   *n = MPM_NONE;
@@ -67,6 +130,7 @@ PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes
   line[1] = line[0];
   *n      = 1;
   if (op->kind == MPM_WALL) PetscCall(Wall(slab, op, line, n));
+  if (op->kind == MPM_COLLIDE) PetscCall(Collide(slab, op, line, n));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -149,7 +213,7 @@ static PetscErrorCode AppendOps(MpmStepProgram *p, MpmMaps *maps, const MpmTable
   for (PetscInt o = 0; o < table->nops; o++) {
     const MpmOp      *op     = &table->ops[o];
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-    MpmLine           line[2];
+    MpmLine           line[MPM_MAX_DIM];
     PetscInt          n;
 
     if (traits.dst == MPM_NOWHERE) continue;

@@ -110,9 +110,11 @@ PetscErrorCode MpmStepProgramBytes(const MpmStepProgram *program, PetscReal *byt
    MpmRegistersOf - the registers of a slab's table, which takes and gives its state
    MpmStepProgramAppendStep - appends the operations of a table, with the particles where maps has them. again: a step
              came before, whose scratch registers are set to 0
-   MpmLinesOfOp - the lines of an operation without a map: WALL, ADD, SCALE, COPY. nodes is the first register of nodes.
+   MpmLinesOfOp - the lines of an operation without a map: WALL, COLLIDE of linear colliders, ADD, SCALE, COPY. nodes is the first register of nodes.
              n: how many, MPM_NONE for an operation with a map. The caller destroys map and
              left of these lines.
+   MpmCollision - what COLLIDE adds at the nodes of a slab, whose velocity is u, NULL: 0; and its derivative by each
+             component of u, as vectors that the caller destroys
    MpmFactorised - a solver that has factorised a matrix by LU, for a line that solves
 
    Collective.
@@ -120,7 +122,10 @@ PetscErrorCode MpmStepProgramBytes(const MpmStepProgram *program, PetscReal *byt
 PetscErrorCode MpmFactorised(Mat matrix, KSP *solve);
 PetscErrorCode MpmRegistersOf(const MpmSlab *slab, MpmRegisters *registers);
 PetscErrorCode MpmStepProgramAppendStep(MpmStepProgram *program, MpmMaps *maps, PetscBool again);
-PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes, MpmLine line[2], PetscInt *n);
+PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes, MpmLine line[MPM_MAX_DIM],
+                            PetscInt *n);
+PetscErrorCode MpmCollision(const MpmSlab *slab, const MpmOp *op, PetscReal time, const Vec u[], Vec *adds,
+                            Vec slope[MPM_MAX_DIM]);
 
 /*S
    MpmVectors - registers as vectors, each made when it is first written to; NULL is 0. Several matrices of programs

@@ -8,7 +8,7 @@
 #include "scene/request.h"
 
 /* How an option is given. Span: two fractions; ends: two words; list: whole numbers with commas between them;
-   words: any of its words with commas between them. */
+   words: any of its words with commas between them; blocks: a block {key: value, ...} of YAML, or a list of them. */
 typedef enum {
   MPM_WORD,
   MPM_INTEGER,
@@ -20,7 +20,8 @@ typedef enum {
   MPM_SPAN,
   MPM_ENDS,
   MPM_LIST,
-  MPM_WORDS
+  MPM_WORDS,
+  MPM_BLOCKS
 } MpmOptionKind;
 
 /*

@@ -189,6 +189,7 @@ PetscBool MpmLayoutIsUniform(const MpmLayout *layout)
 {
   for (PetscInt property = 0; property < MPM_PROPERTIES; property++)
     if (layout->varies[property]) return PETSC_FALSE;
+  if (layout->colliders) return PETSC_FALSE;
   return layout->jitter == 0 && MpmLayoutIsPeriodic(layout) && MpmLayoutIsFull(layout) ? PETSC_TRUE : PETSC_FALSE;
 }
 

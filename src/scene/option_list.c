@@ -218,6 +218,8 @@ const MpmField MpmOptions[] = {
    BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.stiffness), IN(29, 20, 17, 11), SHOWN(HasMaterial), .json = "material.stiffness_ratio"},
   {"inclusion", MPM_RANGE, NULL, "cells lo,hi between which the second material is (default: the right half)",
    ANY, EACH(AS_RANGE, layout.material.inclusion, layout.material.inclusion[0]), IN(30, 21, 18, 12), SHOWN(HasInclusion), .json = "material.inclusion"},
+  {"colliders", MPM_BLOCKS, NULL, "momentum schemes but implicit: rigid bodies, as [{shape: plane, point: [0.5, 0.1], normal: [0, 1], contact: separating, friction: 0.3}]; shapes and contacts: mpmstab list colliders",
+   NO_RANGE, .tasks = "run, spectrum, critical", MADE(AS_TEXT, colliders), IN(96, 78, 71, 55)},
   {"boundary", MPM_ENDS, "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free, symmetry; of several directions as periodic,fixed-free",
    WORDS(MpmEndNames), MADE(AS_TEXT, boundary), IN(5, 4, 6, 4)},
   {"wave_speed", MPM_REAL, "1", "wave speed c",

@@ -418,6 +418,7 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsMachDrift(settings, scene));
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
+  PetscCall(MpmSettingsReadColliders(settings, scene));
   PetscCall(ReadFill(settings, scene));
   PetscCall(MpmSettingsReadShape(settings, scene));
   PetscCall(MpmSettingsPlaceGiven(settings, scene));
@@ -442,6 +443,7 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene)
     PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
     PetscCall(PetscFree((*scene)->layout.spans));
     PetscCall(MpmGivenDestroy(&(*scene)->layout.given));
+    PetscCall(PetscFree((*scene)->layout.colliders));
     PetscCall(MpmWrittenFormulationDestroy(&(*scene)->own));
     PetscCall(MpmWrittenDestroy(&(*scene)->written));
   }

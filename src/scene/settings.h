@@ -316,6 +316,9 @@ PetscBool MpmFormulationIsProjected(const MpmFormulation *formulation);
 */
 PetscErrorCode MpmSettingsReadGrid(const MpmSettings *settings, MpmScene *scene);
 
+/* Collective. Reads the colliders of a scene whose grid, step, ends and wave speed are known. */
+PetscErrorCode MpmSettingsReadColliders(const MpmSettings *settings, MpmScene *scene);
+
 /*
    Collective. Reads the initial data of a scene whose layout, scheme and ends are known. Those that were not asked for
    become random where they have no exact solution.

@@ -48,6 +48,9 @@ PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const 
   for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
     MpmSettingsRefuseIf(scene->layout.given && request->neighbourhood[kind] != (kind == MPM_IN_BULK), settings,
                         "neighbourhood", "the layout of a file has its own surfaces; allowed: bulk, or layout uniform");
+  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
+    MpmSettingsRefuseIf(scene->layout.colliders && request->neighbourhood[kind] != (kind == MPM_IN_BULK), settings,
+                        "neighbourhood", "colliders stand in the grid of the scene; allowed: bulk");
   if (!request->neighbourhood[MPM_IN_BULK])
     PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
                                    "csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix",

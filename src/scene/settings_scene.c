@@ -50,6 +50,8 @@ static const char *AllowedFor(const MpmField *option)
     return "a list of whole numbers";
   case MPM_WORDS:
     return "one or more of its words";
+  case MPM_BLOCKS:
+    return "a block {key: value}, or several [{...}, {...}]";
   default:
     return "one of its words";
   }
@@ -87,6 +89,35 @@ static PetscErrorCode KeepParameter(MpmSettings *settings, yaml_document_t *docu
   ierr = MpmSettingsKeepParameter(settings, key, text.text, MPM_FROM_SCENE, line);
   MpmTextFree(&text);
   PetscCall(ierr);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Blocks as the text that the command line has. */
+static PetscErrorCode AddFlow(yaml_document_t *document, const yaml_node_t *node, MpmText *text)
+{
+  const PetscBool list = node->type == YAML_SEQUENCE_NODE ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  MpmCheckInput(text->length < PETSC_MAX_PATH_LEN, "key in line %d: its blocks are too long, or hold themselves",
+                Line(node));
+  if (node->type == YAML_SCALAR_NODE) {
+    PetscCall(MpmTextAdd(text, "%s", Scalar(node) ? Scalar(node) : ""));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmTextAdd(text, list ? "[" : "{"));
+  if (list)
+    for (const yaml_node_item_t *i = node->data.sequence.items.start; i < node->data.sequence.items.top; i++) {
+      PetscCall(MpmTextAdd(text, i > node->data.sequence.items.start ? ", " : ""));
+      PetscCall(AddFlow(document, yaml_document_get_node(document, *i), text));
+    }
+  else
+    for (const yaml_node_pair_t *i = node->data.mapping.pairs.start; i < node->data.mapping.pairs.top; i++) {
+      PetscCall(MpmTextAdd(text, i > node->data.mapping.pairs.start ? ", " : ""));
+      PetscCall(AddFlow(document, yaml_document_get_node(document, i->key), text));
+      PetscCall(MpmTextAdd(text, ": "));
+      PetscCall(AddFlow(document, yaml_document_get_node(document, i->value), text));
+    }
+  PetscCall(MpmTextAdd(text, list ? "]" : "}"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -172,6 +203,7 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
     const char        *key   = Scalar(node);
     char               name[128], text[PETSC_MAX_PATH_LEN];
     PetscInt           option;
+    PetscErrorCode     ierr;
 
     MpmCheckInput(key && strlen(key) < 100, "%s:%d: allowed: lines of the form key: value", settings->scene,
                   Line(node));
@@ -194,6 +226,15 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
     option = MpmOptionIndex(name);
     if (option == MPM_NOT_AN_OPTION) {
       PetscCall(KeepParameter(settings, document, name, value, Line(node)));
+      continue;
+    }
+    if (MpmOptions[option].kind == MPM_BLOCKS) {
+      MpmText blocks = {NULL, 0};
+
+      PetscCall(AddFlow(document, value, &blocks));
+      ierr = SetOnce(settings, key, option, blocks.text, Line(node));
+      MpmTextFree(&blocks);
+      PetscCall(ierr);
       continue;
     }
     PetscCall(ValueText(settings, document, option, value, text, sizeof text));

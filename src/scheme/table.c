@@ -535,6 +535,18 @@ static PetscErrorCode SharpenBefore(MpmTableBuilder *b, PetscInt o)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode React(MpmTableBuilder *b, PetscInt o)
+{
+  const MpmOp *op = &b->formulation->ops[o];
+
+  PetscFunctionBegin;
+  PetscCall(MpmBuilderCollideAgain(b, o));
+  for (PetscInt c = 0; c < MpmBuilderComponents(b, PETSC_TRUE, op->dst); c++)
+    PetscCall(MpmBuilderReact(b, b->node[op->dst] + c, b->node[op->src] + c));
+  PetscCall(MpmBuilderGiveLost(b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* A wall with a reaction is imposed after the filter, because the filter must act on the values before the wall. */
 static PetscErrorCode Translate(MpmTableBuilder *b)
 {
@@ -555,6 +567,8 @@ static PetscErrorCode Translate(MpmTableBuilder *b)
       if (filtered) PetscCall(Filter(b, &f->ops[++o]));
       for (PetscInt c = 0; c < n; c++)
         PetscCall(MpmBuilderImposeWithReaction(b, b->node[op->dst] + c, IsKept(f, op->dst)));
+      PetscCall(MpmBuilderCollide(b, (PetscInt)(op - f->ops)));
+      if (b->space->collides) PetscCall(Fix(b, b->node[op->dst], n)); /* bodies do not move walls */
     } else if (IsFilter(b, op))
       PetscCall(Filter(b, op));
     else if (op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
@@ -567,8 +581,7 @@ static PetscErrorCode Translate(MpmTableBuilder *b)
     else if (op->kind == MPM_MOVE || op->kind == MPM_MOVE_PROJECTED)
       PetscCall(Move(b, op));
     else if (op->kind == MPM_REACT)
-      for (PetscInt c = 0; c < MpmBuilderComponents(b, PETSC_TRUE, op->dst); c++)
-        PetscCall(MpmBuilderReact(b, b->node[op->dst] + c, b->node[op->src] + c));
+      PetscCall(React(b, o));
     else
       PetscCall(Expand(b, op));
     if (b->space->finite) PetscCall(MpmFiniteAfter(b, o));
@@ -623,6 +636,7 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   written.ops = MpmFormulationLines(formulation, numbers, transfer, lines, &written.nops);
   PetscCall(WhereOf(formulation, sizeof t->where, t->where));
   t->transfer = transfer;
+  b.trial = b.lost = b.lost_by = MPM_NONE;
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) b.kept[n] = b.sharp[n] = MPM_NONE;
   PetscCall(PetscArraycpy(&t->ends[0][0], &space->ends[0][0], 2 * MPM_MAX_DIM));
   PetscCall(MpmBuilderAddRegisters(&b));

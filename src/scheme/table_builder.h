@@ -16,6 +16,10 @@
    sharp, sharp_at - sharp[n]: the node register that particles take instead of node register n, as it was when the table
                      had sharp_at[n] operations
 
+   trial           - the first of the node registers for a velocity that colliders act on, or MPM_NONE
+   lost, lost_by   - the same for the velocity before they did, or what it has lost; and the particle field that is to get
+                     this, MPM_NONE where none is
+
    At finite deformation besides:
 
    stretched       - stretched[f]: the first register of the stretch that stress f is the stress of
@@ -36,6 +40,7 @@ typedef struct {
   const MpmTransfer      *transfer;
   const MpmSchemeNumbers *numbers;
   const MpmSpace         *space;
+  PetscInt                trial, lost, lost_by;
   PetscInt                particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], kept[MPM_MAX_FIELDS], sharp[MPM_MAX_FIELDS],
       sharp_at[MPM_MAX_FIELDS];
   PetscInt stretched[MPM_MAX_FIELDS], moved[MPM_MAX_MOVED], moved_at[MPM_MAX_MOVED], nmoved, nsummed, velocity, slope,
@@ -70,6 +75,15 @@ PetscErrorCode MpmBuilderAddState(MpmTable *table, const char name[], PetscInt f
 */
 PetscErrorCode MpmBuilderImposeWithReaction(MpmTableBuilder *b, PetscInt node, PetscBool wanted);
 PetscErrorCode MpmBuilderReact(MpmTableBuilder *b, PetscInt dst, PetscInt imposed);
+
+/*
+   Not collective. What colliders do (table_colliders.c) at line number o of the formulation, an IMPOSE, and CollideAgain at one
+   that is a REACT; nothing without colliders. MpmBuilderGiveLost: after it, and after the walls, particles get what the
+   velocity has lost.
+*/
+PetscErrorCode MpmBuilderCollide(MpmTableBuilder *b, PetscInt o);
+PetscErrorCode MpmBuilderCollideAgain(MpmTableBuilder *b, PetscInt o);
+PetscErrorCode MpmBuilderGiveLost(MpmTableBuilder *b);
 
 /*
    Not collective. MpmBuilderAppend appends an operation. Where it goes from nodes to particles, it reads what the

@@ -22,7 +22,7 @@ static PetscErrorCode CheckOp(const MpmTable *t, PetscInt o, PetscBool written[]
   const MpmOp      *op     = &t->ops[o];
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
   const PetscInt    nodes = t->nnodes, particles = t->nparticles;
-  const PetscBool   stencil  = op->kind == MPM_LAP || op->kind == MPM_COPY ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   stencil  = op->kind == MPM_LAP || op->kind == MPM_COPY || op->kind == MPM_COLLIDE;
   const PetscBool   itself   = op->kind == MPM_COPY && !op->accumulates ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool   sum      = traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool   to_nodes = traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;

@@ -20,6 +20,7 @@ static PetscInt MostPpc(PetscInt dim)
 const char *MpmSymbolWhyNot(const MpmLayout *layout)
 {
   if (!MpmLayoutIsPeriodic(layout)) return "at walls Fourier modes mix";
+  if (layout->colliders) return "at colliders Fourier modes mix";
   if (!MpmLayoutIsUniform(layout)) return "cells differ, so Fourier modes mix";
   if (MpmLayoutPpc(layout) > MostPpc(layout->dim)) return "with so many particles per cell its blocks are too large";
   return NULL;
@@ -52,6 +53,10 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout)
       "layout %s: the symbol needs the same particles in every cell; allowed: layout uniform ('mpmstab spectrum' "
       "and 'mpmstab critical' take any layout)",
       layout->given->path);
+  MpmCheckInput(
+      !layout->colliders,
+      "colliders: at colliders Fourier modes mix; allowed: without ('mpmstab spectrum' and 'mpmstab critical' "
+      "take them)");
   MpmCheckInput(MpmLayoutIsFull(layout),
                 "fill: the symbol needs the same particles in every cell; allowed: without fill ('mpmstab spectrum' "
                 "takes any layout)");

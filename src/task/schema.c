@@ -74,6 +74,7 @@ static json_t *OrAlso(const MpmField *o, json_t *value)
 /* Lists, ranges, ends and words may be text with commas or an array; so may a value for each direction. */
 static json_t *Value(const MpmField *o)
 {
+  if (o->kind == MPM_BLOCKS) return json_pack("{s:[s,s,s]}", "type", "object", "array", "string");
   if (o->kind == MPM_LIST) return json_pack("{s:[s,s,s]}", "type", "integer", "string", "array");
   if (o->kind == MPM_ENDS || o->kind == MPM_WORDS) return json_pack("{s:[s,s]}", "type", "string", "array");
   if (o->kind == MPM_WORD && !strcmp(o->name, "formulation")) return Word(o);

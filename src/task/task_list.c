@@ -121,6 +121,21 @@ static PetscErrorCode ListLayouts(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode ListColliders(void)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmColliderShapes[i]; i++) {
+    const MpmColliderShape *shape = MpmColliderShapes[i];
+
+    MpmPrint("  shape: %-12s %s; keys %s and %s\n", shape->name, shape->summary, shape->key[0], shape->key[1]);
+  }
+  for (PetscInt i = 0; MpmContacts[i]; i++)
+    MpmPrint("  contact: %-10s %s%s\n", MpmContacts[i]->name, MpmContacts[i]->summary,
+             MpmContacts[i]->rubs ? "; key friction" : "");
+  MpmPrint("  all bodies: key velocity, with kinematics finite\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode ListOptions(void)
 {
   PetscFunctionBegin;
@@ -190,11 +205,11 @@ static PetscErrorCode ListScope(void)
   PetscFunctionBegin;
   MpmPrint("  %-14s linear steps: growth, limits, waves and modes of lattices and of any layout up to a size\n",
            "exactly");
-  MpmPrint("  %-14s linear steps about a stretched state (prestress), and tangents at the states of a run (tangent)\n",
+  MpmPrint("  %-14s linear steps about a stretched state, or with colliders that stick or slip; tangents of a run's states\n",
            "");
   MpmPrint("  %-14s runs at finite strain: their energy and error; growth in a run is measured and not proved\n",
            "by marching");
-  MpmPrint("  %-14s plasticity (sand, snow, clay), colliders, friction, damping, viscosity\n", "not yet");
+  MpmPrint("  %-14s plasticity (sand, snow, clay), damping, viscosity\n", "not yet");
   MpmPrint("  %-14s contact of several velocity fields, fracture, heat, graphics processors\n", "not at all");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -210,6 +225,7 @@ static const struct {
     {"transfer", "transfers", ListTransfers, PETSC_FALSE},
     {"boundary", "ends of the domain", ListBoundaries, PETSC_FALSE},
     {"layout", "layouts", ListLayouts, PETSC_FALSE},
+    {"collider", "colliders", ListColliders, PETSC_FALSE},
     {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions, PETSC_FALSE},
     {"versions", "versions", ListVersions, PETSC_FALSE},
     {"scope", "what is answered", ListScope, PETSC_FALSE},
@@ -223,8 +239,8 @@ static const struct {
 /* A list by its name, or by its plural as in 'list formulations'. */
 static PetscBool IsCalled(const char word[], size_t i)
 {
-  static const char *const plurals[] = {"formulations", "bases",   "transfers", "boundaries", "layouts",
-                                        "option",       "version", "scopes",    "code"};
+  static const char *const plurals[] = {"formulations", "bases",  "transfers", "boundaries", "layouts",
+                                        "colliders",    "option", "version",   "scopes",     "code"};
 
   return !strcasecmp(word, lists[i].name) || !strcasecmp(word, plurals[i]) ? PETSC_TRUE : PETSC_FALSE;
 }
@@ -277,9 +293,9 @@ PetscErrorCode MpmTaskList(int argc, char **argv)
   if (argc == 0) MpmPrint("public codes: mpmstab list codes\n");
   if (!found) {
     near = MpmSuggest(argv[0], PETSC_STATIC_ARRAY_LENGTH(lists), names);
-    MpmRefuse(
-        "list %s: allowed: formulation, basis, transfer, boundary, layout, options, versions, scope or codes%s%s%s",
-        argv[0], near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+    MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout, collider, options, versions, scope or "
+              "codes%s%s%s",
+              argv[0], near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,8 +15,8 @@ import sys
 
 LAYERS = ["base", "linalg", "scheme", "scene", "program", "march", "operator", "symbol", "analysis", "probe", "io",
           "report", "task"]
-PUBLIC = {"compat": "base", "boundary": "scheme", "formulation": "scheme", "transfer": "scheme", "basis": "scheme",
-          "scheme": "scheme", "material": "scheme", "plugin": "probe", "mpmstab": "task"}
+PUBLIC = {"compat": "base", "boundary": "scheme", "collider": "scheme", "formulation": "scheme", "transfer": "scheme",
+          "basis": "scheme", "scheme": "scheme", "material": "scheme", "plugin": "probe", "mpmstab": "task"}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?:"([^"]+)"|<(mpmstab/[^>]+)>)', re.M)
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 

@@ -59,6 +59,7 @@ static const char *const other[][2] = {
     {"balance", "-balance cells"},
     {"ranks", "-ranks 1"},
     {"layout", "-layout random"},
+    {"colliders", "-formulation usl -colliders {\"shape\":plane,\"point\":0.5,\"normal\":1,\"contact\":slip}"},
 };
 
 /* Finds the text of a field in the checkpoint of a scene; it is empty when there is none. */

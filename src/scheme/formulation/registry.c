@@ -100,6 +100,7 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
       [MPM_COPY]         = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .stencil = {0, 1, 0}},
       [MPM_SOLVE]        = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
       [MPM_IMPLICIT]     = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
+      [MPM_COLLIDE]      = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
       [MPM_WALL]         = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
       [MPM_ADVANCE]      = {.dst = MPM_NOWHERE, .src = MPM_ON_PARTICLES},
       [MPM_DRIFT]        = {.dst = MPM_NOWHERE, .src = MPM_NOWHERE},

@@ -1,0 +1,89 @@
+/*
+   Colliders: rigid bodies that act on nodal velocities. A body has a shape and a contact condition, each one entry of a
+   list. A node inside a body has, relative to the body, the velocity y; the condition makes P(y) of it.
+
+   Of a body at rest |P(y)| <= |y| at each node: it never raises the kinetic energy of the nodes.
+
+   Source: Stomakhin, Schroeder, Chai, Teran and Selle 2013, section 8, whose collision bodies are level sets
+*/
+#pragma once
+#include <mpmstab/boundary.h>
+
+#define MPM_MAX_COLLIDERS 8
+#define MPM_COLLIDER_KEYS 2 /* the largest number of keys that a shape has */
+
+/*E
+   MpmColliderKey - what a key of a shape holds: a place (in cells once it is read), a direction (of length 1), a positive
+   length for each direction, or one positive length.
+E*/
+typedef enum { MPM_KEY_PLACE, MPM_KEY_DIRECTION, MPM_KEY_SIZES, MPM_KEY_SIZE } MpmColliderKey;
+
+typedef struct MpmCollider_ MpmCollider;
+
+/*S
+   MpmColliderShape - the shape of a body.
+
+   key, holds - its keys in a scene, NULL after the last, and what they hold
+   distance   - the signed distance of a place from the surface in cells, below 0 inside, and the direction in which it
+                grows, which is outward. x has the place relative to that of the body at the start.
+S*/
+typedef struct {
+  const char    *name, *summary;
+  const char    *key[MPM_COLLIDER_KEYS + 1];
+  MpmColliderKey holds[MPM_COLLIDER_KEYS];
+  PetscReal (*distance)(const MpmCollider *body, PetscInt dim, const PetscReal x[], PetscReal normal[]);
+} MpmColliderShape;
+
+/*S
+   MpmContact - a contact condition.
+
+   rubs    - it can have friction
+   linear  - without friction P is linear
+   project - y = P(y), and slope = dP/dy, dim rows of dim numbers, of the branch that y is on
+S*/
+typedef struct {
+  const char *name, *summary;
+  PetscBool   rubs, linear;
+  void (*project)(PetscReal friction, PetscInt dim, const PetscReal normal[], PetscReal y[], PetscReal slope[]);
+} MpmContact;
+
+/*S
+   MpmCollider - a body. value: of its keys, in cells; friction: Coulomb's coefficient; velocity: in units of c; pace: the
+   same in cells per unit of the scene's time.
+S*/
+struct MpmCollider_ {
+  const MpmColliderShape *shape;
+  const MpmContact       *contact;
+  PetscReal               value[MPM_COLLIDER_KEYS][MPM_MAX_DIM], friction, velocity[MPM_MAX_DIM], pace[MPM_MAX_DIM];
+};
+
+/* The bodies of a scene. */
+typedef struct {
+  PetscInt    n;
+  MpmCollider body[MPM_MAX_COLLIDERS];
+} MpmColliders;
+
+/* Not collective. The shapes and the conditions, NULL after the last. */
+extern const MpmColliderShape *const MpmColliderShapes[];
+extern const MpmContact *const       MpmContacts[];
+
+/* Not collective. Whether all that the bodies do is linear in the velocity: they are at rest, and their conditions linear. */
+PetscBool MpmCollidersAreLinear(const MpmColliders *colliders);
+
+/*
+   MpmCollidersProject - what the bodies make of the velocity v of a node, one after the other.
+
+   Not collective.
+
+   Input Parameters:
++  x    - the place of the node, in cells
+-  time - in the scene's unit
+
+   Output Parameters:
++  v     - the new velocity, in units of c
+-  slope - its derivative by the old one, dim rows of dim numbers
+
+   Returns whether the node is inside a body. If it is in none, v and slope are left as they are.
+*/
+PetscBool MpmCollidersProject(const MpmColliders *colliders, PetscInt dim, const PetscReal x[], PetscReal time,
+                              PetscReal v[], PetscReal slope[]);

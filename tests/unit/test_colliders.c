@@ -1,0 +1,140 @@
+/*
+   Shapes and contact conditions of colliders, at random places and velocities in one to three dimensions: the normal is the
+   gradient of the distance and has length 1, the slope of a condition is its derivative, a body at rest never raises the
+   velocity, and without friction sticky and slip are projections.
+*/
+#include "check.h"
+#include <mpmstab/collider.h>
+#include <math.h>
+
+#define TRIES 400
+#define STEP 1e-5
+
+static PetscReal Random(void)
+{
+  static PetscInt64 state = 1;
+
+  state = (PetscInt64)(((unsigned long long)state * 6364136223846793005ull + 1442695040888963407ull) >> 1);
+  return (PetscReal)(state % 1000003) / 1000003 - 0.5;
+}
+
+static PetscReal Size(PetscInt dim, const PetscReal v[])
+{
+  PetscReal sum = 0;
+
+  for (PetscInt a = 0; a < dim; a++) sum += v[a] * v[a];
+  return sqrt(sum);
+}
+
+/* A body with random numbers that are allowed. */
+static MpmCollider Body(const MpmColliderShape *shape, PetscInt dim)
+{
+  MpmCollider body = {.shape = shape, .contact = MpmContacts[0]};
+
+  for (PetscInt k = 0; shape->key[k]; k++) {
+    for (PetscInt a = 0; a < dim; a++) body.value[k][a] = 2 * Random();
+    for (PetscInt a = 0; a < dim && shape->holds[k] >= MPM_KEY_SIZES; a++) body.value[k][a] = 1 + Random();
+  }
+  if (shape->holds[1] == MPM_KEY_DIRECTION) {
+    const PetscReal size = Size(dim, body.value[1]);
+
+    for (PetscInt a = 0; a < dim; a++) body.value[1][a] /= size;
+  }
+  return body;
+}
+
+static void CheckShape(const MpmColliderShape *shape, PetscInt dim)
+{
+  for (int i = 0; i < TRIES; i++) {
+    const MpmCollider body = Body(shape, dim);
+    PetscReal         x[MPM_MAX_DIM], normal[MPM_MAX_DIM], other[MPM_MAX_DIM], found = 0;
+
+    for (PetscInt a = 0; a < dim; a++) x[a] = 4 * Random();
+    (void)shape->distance(&body, dim, x, normal);
+    CHECK(fabs(Size(dim, normal) - 1) < 1e-12, "%s: a normal of length %.17g", shape->name, Size(dim, normal));
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscReal d[2];
+
+      for (int side = 0; side < 2; side++) {
+        PetscReal at[MPM_MAX_DIM];
+
+        for (PetscInt c = 0; c < dim; c++) at[c] = x[c] + (c == a ? (side ? STEP : -STEP) : 0);
+        d[side] = shape->distance(&body, dim, at, other);
+      }
+      found = PetscMax(found, fabs((d[1] - d[0]) / (2 * STEP) - normal[a]));
+    }
+    CHECK(found < 1e-6, "%s, dim %d: the normal is off by %.3g", shape->name, (int)dim, found);
+  }
+}
+
+static void CheckContact(const MpmContact *contact, PetscInt dim)
+{
+  for (int i = 0; i < TRIES; i++) {
+    const PetscReal friction = i % 2 && contact->rubs ? 1 + Random() : 0;
+    PetscReal       normal[MPM_MAX_DIM], v[MPM_MAX_DIM], y[MPM_MAX_DIM], again[MPM_MAX_DIM], slope[9], other[9], size,
+        worst = 0;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      normal[a] = Random();
+      v[a] = y[a] = Random();
+    }
+    size = Size(dim, normal);
+    for (PetscInt a = 0; a < dim; a++) normal[a] /= size;
+    contact->project(friction, dim, normal, y, slope);
+    CHECK(Size(dim, y) <= Size(dim, v) * (1 + 1e-15), "%s: |v| rises from %.17g to %.17g", contact->name, Size(dim, v),
+          Size(dim, y));
+    for (PetscInt a = 0; a < dim; a++) again[a] = y[a];
+    contact->project(friction, dim, normal, again, other);
+    for (PetscInt a = 0; a < dim; a++) CHECK(fabs(again[a] - y[a]) < 1e-14, "%s: acts a second time", contact->name);
+    for (PetscInt c = 0; c < dim; c++) {
+      PetscReal end[2][MPM_MAX_DIM];
+
+      for (int side = 0; side < 2; side++) {
+        for (PetscInt a = 0; a < dim; a++) end[side][a] = v[a] + (a == c ? (side ? STEP : -STEP) : 0);
+        contact->project(friction, dim, normal, end[side], other);
+      }
+      for (PetscInt a = 0; a < dim; a++)
+        worst = PetscMax(worst, fabs((end[1][a] - end[0][a]) / (2 * STEP) - slope[dim * a + c]));
+    }
+    CHECK(worst < 1e-5, "%s, dim %d, friction %g: the slope is off by %.3g", contact->name, (int)dim, friction, worst);
+  }
+}
+
+/* The friction of a node that slides: t' = t (1 - mu |v_n| / |t|). A second body acts on what the first one leaves. */
+static void CheckNumbers(void)
+{
+  MpmColliders    bodies = {.n    = 1,
+                            .body = {{.shape    = MpmColliderShapes[0],
+                                      .contact  = MpmContacts[2],
+                                      .value    = {{0, 0}, {0, 1}},
+                                      .friction = 0.5,
+                                      .velocity = {0, 0.1},
+                                      .pace     = {0, 2}}}};
+  PetscReal       v[2]   = {1, -0.3}, slope[4];
+  const PetscReal x[2]   = {0, 0.5};
+
+  CHECK(!MpmCollidersProject(&bodies, 2, x, 0.2, v, slope), "the body is not there yet");
+  CHECK(MpmCollidersProject(&bodies, 2, x, 0.3, v, slope), "the body is there");
+  CHECK_NEAR(v[0], 1 - 0.5 * 0.4, 1e-15);
+  CHECK_NEAR(v[1], 0.1, 1e-15);
+  CHECK(!MpmCollidersAreLinear(&bodies), "separating is not linear");
+  bodies.n       = 2;
+  bodies.body[1] = (MpmCollider){.shape = MpmColliderShapes[0], .contact = MpmContacts[1], .value = {{1, 0}, {-1, 0}}};
+  CHECK(MpmCollidersProject(&bodies, 2, (PetscReal[2]){2, -1}, 0, v, slope), "both are there");
+  CHECK_NEAR(v[0], 0, 1e-15);
+  CHECK_NEAR(slope[0], 0, 1e-15);
+}
+
+static PetscErrorCode Test(int argc, char **argv)
+{
+  PetscFunctionBegin;
+  (void)argc, (void)argv;
+  for (PetscInt dim = 1; dim <= MPM_MAX_DIM; dim++) {
+    for (PetscInt s = 0; MpmColliderShapes[s]; s++) CheckShape(MpmColliderShapes[s], dim);
+    for (PetscInt c = 0; MpmContacts[c]; c++) CheckContact(MpmContacts[c], dim);
+  }
+  CheckNumbers();
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+CHECK_MAIN(Test)
