@@ -1,10 +1,6 @@
 /*
-   Colliders: rigid bodies that act on nodal velocities. A body has a shape and a contact condition, each one entry of a
-   list. A node inside a body has, relative to the body, the velocity y; the condition makes P(y) of it.
-
-   Of a body at rest |P(y)| <= |y| at each node: it never raises the kinetic energy of the nodes.
-
-   Source: Stomakhin, Schroeder, Chai, Teran and Selle 2013, section 8, whose collision bodies are level sets
+   Colliders: rigid bodies that act on nodal velocities. The contact condition of a body makes P(y) of the velocity y, relative
+   to the body, of a node inside it (docs/floors.md). Source: Stomakhin, Schroeder, Chai, Teran and Selle 2013, section 8
 */
 #pragma once
 #include <mpmstab/boundary.h>

@@ -266,7 +266,7 @@ PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCr
   PetscCall(MpmCriticalByClosedForm(of->layout, of->scheme, drifts, c));
   PetscCall(Search(of, StrategyOf(of, c), alone, c));
   MpmZoomFold(of->layout->dim, c->beta);
-  if (!drifts) c->bound = MpmCriticalBound(of->layout, of->scheme);
+  if (!drifts && !of->layout->colliders) c->bound = MpmCriticalBound(of->layout, of->scheme);
   if (!alone && (drifts || of->scheme->formulation->quiet)) PetscCall(MpmCriticalQuieten(of, c));
   PetscCall(CheckRounding(of, c));
   if (of->layout->dim == 1)

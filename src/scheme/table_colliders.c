@@ -5,8 +5,7 @@
      REACT(a, v)   a += P(v + a) - (v + a), so that v + a is what the bodies allow
                    v_p += G2P (v - w): particles get what v lost when it was imposed, as they get a
 
-   The second line of REACT is for an IMPOSE after which REACT is the first to use the values before. Elsewhere, as after the
-   second P2G of musl, the velocity is imposed for the strain alone.
+   The second line of REACT is for an IMPOSE of a P2G that REACT follows. Elsewhere v is imposed for the strain alone.
 */
 #include "scheme/table_builder.h"
 

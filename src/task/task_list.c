@@ -205,7 +205,8 @@ static PetscErrorCode ListScope(void)
   PetscFunctionBegin;
   MpmPrint("  %-14s linear steps: growth, limits, waves and modes of lattices and of any layout up to a size\n",
            "exactly");
-  MpmPrint("  %-14s linear steps about a stretched state, or with colliders that stick or slip; tangents of a run's states\n",
+  MpmPrint("  %-14s linear steps about a stretched state, or with colliders that stick or slip; tangents of a run's "
+           "states\n",
            "");
   MpmPrint("  %-14s runs at finite strain: their energy and error; growth in a run is measured and not proved\n",
            "by marching");
