@@ -45,26 +45,18 @@ static const MpmParity vectors[MPM_MAX_DIM][MPM_MAX_DIM] = {{MPM_NORMAL, MPM_TAN
                                                             {MPM_TANGENTIAL, MPM_NORMAL, MPM_TANGENTIAL},
                                                             {MPM_TANGENTIAL, MPM_TANGENTIAL, MPM_NORMAL}};
 
-/* The schemes of the theorem of docs/floors.md. */
-static PetscBool StandsWithColliders(const MpmScheme *scheme)
-{
-  const MpmTransfer *t = scheme->transfer;
-
-  return scheme->formulation->leftmost && scheme->formulation->step_bound(&scheme->numbers, t) == 2 && !t->filter &&
-                 !t->affine && !t->sharpen
-             ? PETSC_TRUE
-             : PETSC_FALSE;
-}
-
 const char *MpmStepBoundWhyNot(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step)
 {
-  const MpmSpace *space = &scheme->space;
+  const MpmSpace    *space = &scheme->space;
+  const MpmTransfer *t     = scheme->transfer;
 
   if (!scheme->formulation->step_bound) return "no bound is known for this formulation";
   if (scheme->formulation->step_bound(&scheme->numbers, scheme->transfer) == 0)
     return "no bound is known for this formulation with this transfer";
   if (isinf(scheme->formulation->step_bound(&scheme->numbers, scheme->transfer))) return "no step grows";
-  if (layout->colliders && !StandsWithColliders(scheme)) return "with colliders no bound is proved for this scheme";
+  if (layout->colliders && (!scheme->formulation->leftmost || t->filter || t->affine || t->sharpen ||
+                            scheme->formulation->step_bound(&scheme->numbers, t) != 2))
+    return "with colliders no bound is proved for this scheme"; /* docs/floors.md has the theorem */
   if (MpmSpaceIsPrestressed(space) || space->displaced) return "no bound is known about a prestressed state";
   if (space->finite) return "no bound is known with kinematics finite";
   if (MpmStepDrifts(step)) return "the bounds are of particles at rest";

@@ -104,19 +104,17 @@ static PetscErrorCode AddFlow(yaml_document_t *document, const yaml_node_t *node
     PetscCall(MpmTextAdd(text, "%s", Scalar(node) ? Scalar(node) : ""));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmTextAdd(text, list ? "[" : "{"));
-  if (list)
-    for (const yaml_node_item_t *i = node->data.sequence.items.start; i < node->data.sequence.items.top; i++) {
-      PetscCall(MpmTextAdd(text, i > node->data.sequence.items.start ? ", " : ""));
-      PetscCall(AddFlow(document, yaml_document_get_node(document, *i), text));
-    }
-  else
-    for (const yaml_node_pair_t *i = node->data.mapping.pairs.start; i < node->data.mapping.pairs.top; i++) {
-      PetscCall(MpmTextAdd(text, i > node->data.mapping.pairs.start ? ", " : ""));
-      PetscCall(AddFlow(document, yaml_document_get_node(document, i->key), text));
-      PetscCall(MpmTextAdd(text, ": "));
-      PetscCall(AddFlow(document, yaml_document_get_node(document, i->value), text));
-    }
+  PetscCall(MpmTextAdd(text, list ? "[" : "{")); /* a comma may stand before the closing bracket */
+  for (const yaml_node_item_t *i = node->data.sequence.items.start; list && i < node->data.sequence.items.top; i++) {
+    PetscCall(AddFlow(document, yaml_document_get_node(document, *i), text));
+    PetscCall(MpmTextAdd(text, ", "));
+  }
+  for (const yaml_node_pair_t *i = node->data.mapping.pairs.start; !list && i < node->data.mapping.pairs.top; i++) {
+    PetscCall(AddFlow(document, yaml_document_get_node(document, i->key), text));
+    PetscCall(MpmTextAdd(text, ": "));
+    PetscCall(AddFlow(document, yaml_document_get_node(document, i->value), text));
+    PetscCall(MpmTextAdd(text, ", "));
+  }
   PetscCall(MpmTextAdd(text, list ? "]" : "}"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
