@@ -64,14 +64,18 @@ def check_slide():
 
 
 def check_leaving():
-    """A body that leaves a floor keeps all its momentum with contact separating; sticky holds it. A falling block
-    bounces, and gravity alone acts on it from there."""
+    """A body that leaves a floor keeps all its momentum with contact separating; sticky holds it, and stops in one step
+    what is inside. A falling block bounces, and gravity alone acts on it from there."""
     rising = [word if word != "uniform" else "random" for word in LAYER] + ["-amplitude", "1e-9", "-formulation", "usl"]
     for contact, keeps in (("separating", True), ("sticky", False)):
         run(*rising, "-velocity", "0,0.5", "-time", "0.3", "-colliders",
             f"{{shape: plane, point: [0.5, 0.25], normal: [0, 1], contact: {contact}}}", "-output", "leave.h5")
         v = last("leave.h5")[1]["v_y"].mean()
         check((abs(v - 0.5) < 1e-8) == keeps, f"{contact}: a body that leaves goes on at {v} of 0.5")
+    run(*rising, "-velocity", "0.3,0.5", "-steps", "1", "-colliders",
+        "{shape: plane, point: [0.5, 0.8], normal: [0, 1], contact: sticky}", "-output", "stop.h5")
+    left = max(np.abs(last("stop.h5")[1][name]).max() for name in ("v_x", "v_y"))
+    check(left < 1e-7, f"particles inside a sticky body keep a velocity of {left:.2e}")
     fall = [word if word != "0.3,-1" else "0,-1" for word in BLOCK[:-2]] + ["-formulation", "usl", "-colliders",
             "{shape: plane, point: [0.5, 0.2], normal: [0, 1], contact: separating}", "-output", "fall.h5"]
     v = []
