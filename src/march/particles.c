@@ -55,60 +55,9 @@ static PetscErrorCode CreateSwarm(const MpmGrid *grid, MpmParticles *particles)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   Visits the particles whose cell this rank owns, in the order of their places. Jitter may take a particle into a
-   neighbour of its own cell. With arrays it stores the particles, without it only counts them.
-*/
-static PetscInt VisitOwn(const MpmLayout *layout, const MpmGrid *grid, PetscInt64 id[], PetscInt cell[], PetscReal xi[])
-{
-  PetscInt n = 0;
-
-  for (PetscInt c = grid->axis[0].first - 1; c <= grid->axis[0].first + grid->axis[0].count; c++) {
-    const PetscInt wrapped = (c % grid->axis[0].cells + grid->axis[0].cells) % grid->axis[0].cells;
-
-    if (!grid->axis[0].periodic && wrapped != c) continue;
-    for (PetscInt j = 0; j < MpmLayoutSitesIn(layout, wrapped); j++) {
-      const PetscInt64 g = MpmLayoutSitesBefore(layout, wrapped) + j - layout->first[0];
-      PetscInt         place;
-      PetscReal        part;
-
-      if (g < 0 || g >= layout->particles) continue;
-      MpmLayoutPlace(layout, g, &place, &part);
-      place += c - wrapped - grid->axis[0].first;
-      if (place < 0 || place >= grid->axis[0].count) continue;
-      if (id) {
-        id[n]   = g;
-        cell[n] = place;
-        xi[n]   = part;
-      }
-      n++;
-    }
-  }
-  return n;
-}
-
 PetscInt MpmParticlesRoom(const MpmParticles *particles)
 {
   return particles->parallel ? particles->count / 64 + 256 : 0;
-}
-
-static PetscErrorCode Place(const MpmGrid *grid, MpmParticles *particles)
-{
-  PetscInt64 *id;
-  PetscInt   *cell;
-  PetscReal  *xi;
-
-  PetscFunctionBegin;
-  particles->count = VisitOwn(particles->layout, grid, NULL, NULL, NULL);
-  PetscCall(DMSwarmSetLocalSizes(particles->swarm, particles->count, MpmParticlesRoom(particles)));
-  PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
-  PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
-  PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
-  (void)VisitOwn(particles->layout, grid, id, cell, xi);
-  PetscCall(MpmParticlesRestore(particles, MpmFieldXi[0], &xi));
-  PetscCall(MpmParticlesRestore(particles, MpmFieldCell[0], &cell));
-  PetscCall(MpmParticlesRestore(particles, DMSwarmField_pid, &id));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A seed for each field, so that random fields are independent. */
@@ -229,12 +178,7 @@ PetscErrorCode MpmParticlesCreate(const MpmLayout *layout, const MpmTable *table
   (*particles)->own    = MpmTableIsFinite(table);
   if (!(*particles)->own) PetscCall(PetscArraycpy((*particles)->drift, drift, MPM_MAX_DIM));
   PetscCall(CreateSwarm(grid, *particles));
-  if (layout->given)
-    PetscCall(MpmParticlesPlaceGiven(grid, *particles));
-  else if (grid->dim == 1)
-    PetscCall(Place(grid, *particles));
-  else
-    PetscCall(MpmParticlesPlaceBox(grid, *particles));
+  PetscCall(MpmParticlesPlace(grid, *particles));
   PetscCall(DMSwarmGetSize((*particles)->swarm, &size));
   PetscCheck(size == (*particles)->total, PetscObjectComm((PetscObject)grid->da), PETSC_ERR_PLIB,
              "%" PetscInt_FMT " particles placed of %" PetscInt64_FMT, size, (*particles)->total);

@@ -97,11 +97,8 @@ static inline void MpmParticlesLagrangian(const MpmParticles *particles, PetscIn
   for (PetscInt a = 0; a < particles->layout->dim; a++) X[a] *= cell_width;
 }
 
-/* Not collective. Places the particles of this rank, in more than one dimension. MpmParticlesCreate calls it. */
-PetscErrorCode MpmParticlesPlaceBox(const MpmGrid *grid, MpmParticles *particles);
-
-/* Not collective. The same for the particles of a file, in the order of their places. */
-PetscErrorCode MpmParticlesPlaceGiven(const MpmGrid *grid, MpmParticles *particles);
+/* Not collective. Places the particles of this rank, in the order of their places. MpmParticlesCreate calls it. */
+PetscErrorCode MpmParticlesPlace(const MpmGrid *grid, MpmParticles *particles);
 
 /*
    Not collective. order[i] is the i-th particle by its cell, x fastest. Those of a cell stay in the order that they are in.
