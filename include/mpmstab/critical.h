@@ -71,6 +71,8 @@ typedef struct {
    order       - the number of unknowns of the assembled operator
    nodal       - the number of unknowns of the nodes' own operator, of which the eigenvalues were taken; 0 where they are
                  of the assembled one
+   pencil      - courant is where the nodes' own operator, linear in a power of the Courant number, first has the eigenvalue
+                 -1; growth at stable_at and unstable_at says the same
    bounded, bounds - of an assembled operator whose case asks for bounds: they were looked for, and what they are
    too_large   - the layout has more unknowns than eigenvalues are sought of: there are bounds, and courant is NaN
    evaluations - the number of times that growth was computed
@@ -79,7 +81,7 @@ S*/
 typedef struct {
   PetscReal      courant, stable_at, unstable_at, doubtful, beta[MPM_MAX_DIM], null_share, fading, moving;
   PetscReal      moving_diagonal, closed, closed_beta[MPM_MAX_DIM], bound, quiet, cured, rounding, seconds;
-  PetscBool      threshold, assembled, disputed, followed, bounded, too_large;
+  PetscBool      threshold, assembled, disputed, followed, pencil, bounded, too_large;
   PetscInt       order, nodal, phases;
   MpmWaveType    wave;
   PetscInt64     evaluations;

@@ -3,12 +3,14 @@
    particles.
 */
 #include "analysis/critical_parts.h"
-#include "linalg/dense.h"
 #include "analysis/leftmost.h"
 #include "analysis/modes.h"
 #include "march/march_private.h"
 #include "scene/layout.h"
+#include "linalg/dense.h"
 #include "linalg/eigen_reduced.h"
+#include "linalg/pencil.h"
+#include "operator/nodal.h"
 #include "operator/nodal_matrix.h"
 #include <mpmstab/symbol.h>
 #include "base/progress.h"
@@ -19,6 +21,7 @@
 #define DRIFT_WIDTH 0.02 /* largest step under drift where eigenvalues could not be followed */
 #define PRECISION 1e-7
 #define NEAR_LIMIT 1e-4 /* relative distance below the limit within which doubt does not matter */
+#define APART 16        /* times so far beyond the limit growth is looked at next */
 #define BEYOND 0.01     /* relative distance above the limit at which growth is compared with that of rounding */
 
 typedef struct {
@@ -164,6 +167,72 @@ static PetscErrorCode Follow(Probe *p, PetscReal to, PetscBool grows, MpmCritica
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The nodal operator at a Courant number on the unknowns k^weight z, where it is linear in k^stride. */
+static PetscErrorCode Weighted(const Probe *p, const MpmNodalPlan *plan, PetscReal courant, PetscReal matrix[])
+{
+  MpmStep     step = p->of->step;
+  MpmReduced *nodal;
+  PetscInt    n;
+
+  PetscFunctionBegin;
+  step.courant = courant;
+  PetscCall(MpmNodalMatrixCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, NULL, &nodal));
+  PetscCall(MatGetSize(nodal->M, &n, NULL));
+  PetscCall(MpmDenseCopy(nodal->M, matrix));
+  PetscCall(MpmReducedDestroy(&nodal));
+  for (PetscInt j = 0; j < n; j++)
+    for (PetscInt i = 0; i < n; i++)
+      matrix[(size_t)j * n + i] *= pow(courant, plan->weight[i % plan->nimages] - plan->weight[j % plan->nimages]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The limit, where growth has real eigenvalues below -1 alone and the nodal operator is linear in k^stride; else NaN. */
+static PetscErrorCode LinearLimit(const Probe *p, PetscInt n, PetscReal *limit)
+{
+  MpmNodalPlan *plan;
+  PetscReal    *at[2];
+
+  PetscFunctionBegin;
+  *limit = NAN;
+  PetscCall(MpmNodalPlanCreate(p->of->scheme->table, NULL, &plan));
+  if (plan->degree == 1) {
+    const PetscReal power = exp2(plan->stride);
+
+    PetscCall(PetscMalloc2((size_t)n * n, &at[0], (size_t)n * n, &at[1]));
+    for (int i = 0; i < 2; i++) PetscCall(Weighted(p, plan, i + 1, at[i]));
+    for (size_t i = 0; i < (size_t)n * n; i++) {
+      at[1][i] = (at[1][i] - at[0][i]) / (power - 1);
+      at[0][i] -= at[1][i];
+    }
+    PetscCall(MpmPencilLeast(n, at[0], at[1], limit));
+    *limit = pow(*limit, 1.0 / plan->stride);
+    PetscCall(PetscFree2(at[0], at[1]));
+    PetscCallMPI(MPI_Bcast(limit, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  }
+  PetscCall(MpmNodalPlanDestroy(&plan));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes the limit of the pencil if growth beside it says the same. */
+static PetscErrorCode ByPencil(Probe *p, MpmCritical *c)
+{
+  PetscReal limit, growth;
+
+  PetscFunctionBegin;
+  PetscCall(LinearLimit(p, c->nodal, &limit));
+  if (!(limit <= MPM_CRITICAL_TO)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Growth(p, limit * (1 - PRECISION), &growth));
+  if (growth > 1 + p->of->tolerance) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscReal apart = PRECISION; !c->pencil && apart < BEYOND; apart *= APART) {
+    c->unstable_at = limit * (1 + apart);
+    PetscCall(Growth(p, c->unstable_at, &growth));
+    c->pencil = growth > 1 + p->of->tolerance ? PETSC_TRUE : PETSC_FALSE;
+  }
+  c->stable_at = limit * (1 - PRECISION);
+  c->courant   = limit;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Computes growth at the scene's own Courant number first. If there is growth, the limit is below it. */
 static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
 {
@@ -187,6 +256,8 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
     PetscCall(MpmSearchScan(Growth, p, p->of->tolerance, courant, PRECISION, c));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (!drifts && c->nodal) PetscCall(ByPencil(p, c));
+  if (c->pencil) PetscFunctionReturn(PETSC_SUCCESS);
   if (grows) {
     steps.to   = courant;
     steps.from = PetscMin(FROM, courant / 2);
@@ -268,11 +339,11 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCritical
   if (nodal) PetscCall(TryNodal(&probe, of->step.courant));
   c->nodal = probe.nodal ? (PetscInt)nodal : 0;
   PetscCall(Search(&probe, of->step.courant, c));
-  c->courant = INFINITY;
+  if (!c->pencil) c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {
-    if (!c->windows.looked) PetscCall(MpmSearchThreshold(Growth, &probe, of->tolerance, 0, c));
+    if (!c->windows.looked && !c->pencil) PetscCall(MpmSearchThreshold(Growth, &probe, of->tolerance, 0, c));
     PetscCall(LimitingMode(&probe, c));
-    c->courant = c->threshold || MpmStepDrifts(&of->step) ? c->stable_at : 0;
+    if (!c->pencil) c->courant = c->threshold || MpmStepDrifts(&of->step) ? c->stable_at : 0;
     PetscCall(CheckRounding(&probe, c));
   }
   PetscCall(MpmProgressEnd(&probe.progress));

@@ -12,7 +12,7 @@
 #include "base/farm.h"
 #include "base/textfile.h"
 #include "linalg/dense.h"
-#include "linalg/lapack_names.h"
+#include "linalg/pencil.h"
 #include "operator/nodal.h"
 #include "program/maps.h"
 #include "scene/layout.h"
@@ -20,7 +20,6 @@
 
 #define LEAST 1e-6     /* Courant number below which no limit is sought */
 #define PRECISION 1e-7 /* relative, of a limit */
-#define REAL 1e-9      /* an eigenvalue with a smaller share of imaginary part is real but for rounding */
 #define TAKES 0.1      /* share of the moves that take a particle away */
 #define HALVINGS 10
 #define MOST_WEIGHTS (MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH)
@@ -309,34 +308,22 @@ static PetscErrorCode ScanForLimit(Search *s)
 
 /* ---- the limit of each layout, where growth has real eigenvalues below -1 alone ---- */
 
-/*
-   The limit of an operator C_0 + x C_1, x = k^stride: the least x > 0 at which it has the eigenvalue -1. The eigenvalues of
-   (C_0 + 1)^-1 C_1 are -1 / x. NaN where LAPACK failed.
-*/
+/* The limit of an operator C_0 + x C_1, x = k^stride. NaN where LAPACK failed. */
 static PetscErrorCode LinearLimit(Boxed *b, PetscReal *limit)
 {
-  const PetscInt n = b->n, stride = b->search->plan->stride;
-  PetscReal     *ahead, least     = 0;
-  PetscBLASInt   order, info, *pivot;
-  int            failed;
+  const PetscInt n = b->n;
+  PetscReal     *at_rest, x;
 
   PetscFunctionBegin;
-  PetscCall(PetscBLASIntCast(n, &order));
-  PetscCall(PetscMalloc2(n * n, &ahead, n, &pivot));
+  PetscCall(PetscMalloc1(n * n, &at_rest));
   for (PetscInt i = 0; i < n * n; i++) {
-    ahead[i]     = creal(b->coefficient[0][i]) + (i % (n + 1) ? 0 : 1);
+    at_rest[i]   = creal(b->coefficient[0][i]);
     b->matrix[i] = creal(b->coefficient[1][i]);
   }
   ++*b->evaluations;
-  PetscCallBLAS("LAPACKgetrf", LAPACKgetrf_(&order, &order, ahead, &order, pivot, &info));
-  if (!info)
-    PetscCallBLAS("LAPACKgetrs", LAPACKgetrs_("N", &order, &order, ahead, &order, pivot, b->matrix, &order, &info));
-  failed = info;
-  if (!failed) PetscCall(MpmDenseEigen(n, b->matrix, b->re, b->im, NULL, &failed));
-  for (PetscInt i = 0; i < n && !failed; i++)
-    if (fabs(b->im[i]) <= REAL * fabs(b->re[i])) least = PetscMin(least, b->re[i]);
-  PetscCall(PetscFree2(ahead, pivot));
-  *limit = failed ? NAN : least < 0 ? pow(-1 / least, 1.0 / stride) : INFINITY;
+  PetscCall(MpmPencilLeast(n, at_rest, b->matrix, &x));
+  PetscCall(PetscFree(at_rest));
+  *limit = pow(x, 1.0 / b->search->plan->stride);
   if (*limit > MPM_CRITICAL_TO) *limit = INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

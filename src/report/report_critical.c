@@ -259,8 +259,9 @@ static void PrintSearch(const MpmScene *s, const MpmCritical *c)
 {
   if (c->too_large) return;
   if (c->assembled)
-    MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns%s at %" PetscInt64_FMT " Courant numbers\n",
-             c->nodal ? c->nodal : c->order, c->nodal ? ", the nodes' own," : "", c->evaluations);
+    MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns%s at %" PetscInt64_FMT " Courant numbers%s\n",
+             c->nodal ? c->nodal : c->order, c->nodal ? ", the nodes' own," : "", c->evaluations,
+             c->pencil ? ", and where they first reach -1, from one factorisation" : "");
   else if (c->phases)
     MpmPrint("searched: %s%" PetscInt_FMT " phases in (0, pi] of each direction and uphill from the largest growths, "
              "%" PetscInt64_FMT " amplification matrices of order %" PetscInt_FMT "\n",
