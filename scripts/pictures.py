@@ -9,6 +9,7 @@
   pictures.py spacetime RUN.h5 [FIELD]                a particle field over place and time
   pictures.py frames RUN.h5 -o FOLDER                 a picture for each output step, and movie.gif
   pictures.py map MAP.h5 [RESULT.json] [MAP.csv]      growth over two axes, with the limits and what is undecided
+  pictures.py layout LAYOUT.csv [RESULT.json]         particles by their bound, the growing mode (critical -write_layout)
   pictures.py transient RESULT.json                   norm of the operator's powers (spectrum -powers)
   pictures.py pseudospectrum SPECTRUM.h5 [RESULT.json]   smallest singular value of z - A (spectrum -pseudospectrum)
 
@@ -21,6 +22,7 @@ import warnings
 
 from picture_damping import damping
 from picture_files import Refusal
+from picture_layout import layout
 from picture_maps import growth_map, pseudospectrum, transient
 from picture_modes import modes
 from picture_process import run_apart
@@ -29,7 +31,7 @@ from picture_spectra import spectrum, symbol
 from picture_style import names_of, save
 
 KINDS = ("spectrum", "symbol", "modes", "growth", "spacetime", "frames", "map", "transient", "pseudospectrum",
-         "damping")
+         "damping", "layout")
 
 
 def first_two(kind, paths):
@@ -72,7 +74,7 @@ def draw(args):
         return modes(paths[0], args.number, args.null_space)
     if kind in ("transient", "damping"):
         return {"transient": transient, "damping": damping}[kind](paths[0])
-    return {"spectrum": spectrum, "pseudospectrum": pseudospectrum}[kind](*first_two(kind, paths))
+    return {"spectrum": spectrum, "pseudospectrum": pseudospectrum, "layout": layout}[kind](*first_two(kind, paths))
 
 
 def parse():

@@ -74,6 +74,10 @@ typedef struct {
    pencil      - courant is where the nodes' own operator, linear in a power of the Courant number, first has the eigenvalue
                  -1; growth at stable_at and unstable_at says the same
    bounded, bounds - of an assembled operator whose case asks for bounds: they were looked for, and what they are
+   each        - of an assembled operator whose case asks for it: rows of a number for each particle, by id: the bounds lone
+                 and particle as Courant numbers, and the velocities along each direction in the mode that grows first, the
+                 largest of them 1; NaN: not known. NULL: not asked for. Freed with PetscFree.
+   mode_at     - the particle that is fastest in this mode; id MPM_NONE: not known
    too_large   - the layout has more unknowns than eigenvalues are sought of: there are bounds, and courant is NaN
    evaluations - the number of times that growth was computed
    seconds     - the time that the search took
@@ -88,6 +92,8 @@ typedef struct {
   MpmCellSymbols cell;
   MpmFinding     asked;
   MpmStepBounds  bounds;
+  PetscReal     *each;
+  MpmDecider     mode_at;
 
   const char           *no_theorem;
   const MpmFormulation *cure;
@@ -98,14 +104,14 @@ typedef struct {
    MpmCriticalCase - the case whose limit is sought: a scheme on a layout, with the drift of step. The Courant number of
    step matters only where growth at it is asked for besides. Growth per step up to 1 + tolerance counts as none.
    all_particles: an assembled operator is solved as it is, although the nodes' own may have its eigenvalues.
-   sweeps, chance: of the bounds of a layout that is not a lattice; chance 0: without them.
+   each: numbers of each particle are asked for. sweeps, chance: of the bounds of a layout that is not a lattice; chance 0: without them.
 S*/
 typedef struct {
   const MpmLayout *layout;
   const MpmScheme *scheme;
   MpmStep          step;
   PetscReal        tolerance;
-  PetscBool        all_particles;
+  PetscBool        all_particles, each;
   PetscInt         sweeps;
   PetscReal        chance;
 } MpmCriticalCase;

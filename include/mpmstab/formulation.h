@@ -113,9 +113,9 @@ typedef enum {
 
 /*E
    MpmProperty - a property in which particles may differ. Its unit is that of a particle of the first material that
-   fills 1 / ppc of a cell.
+   fills 1 / ppc of a cell. MPM_MOBILITY multiplies what a particle gets by G2P: 0 for one that is held, else 1.
 E*/
-typedef enum { MPM_NO_PROPERTY, MPM_MASS, MPM_VOLUME, MPM_STIFFNESS, MPM_PROPERTIES } MpmProperty;
+typedef enum { MPM_NO_PROPERTY, MPM_MASS, MPM_VOLUME, MPM_STIFFNESS, MPM_MOBILITY, MPM_PROPERTIES } MpmProperty;
 
 /* The place of a register that an operation reads or writes. */
 typedef enum { MPM_NOWHERE, MPM_ON_PARTICLES, MPM_ON_NODES } MpmPlace;

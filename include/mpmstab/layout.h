@@ -67,24 +67,25 @@ typedef struct {
 } MpmSpan;
 
 /*S
-   MpmGiven - particles whose places a CSV file gives, or random numbers. Particle id of a file is that of line id + 2;
+   MpmGiven - particles whose places a CSV or HDF5 file gives, or random numbers. Particle id of a file is that of line id + 2;
    every rank has all of them.
 
-   path      - the file
+   path      - the file; of_steps: it is field output, whose last step is taken
    random    - the places are random; path is the word for it
    particles - how many there are
    column    - column[a]: the places along direction a, in cells; the others are those of the file, while it is read
    property  - their properties (MpmProperty), NULL: not there, so all have 1
    before    - before[a][c]: the number of particles before cell c along direction a
-   has       - whether the file has volumes, masses, and young
+   has       - whether the file has volumes, masses, young, poisson and fixed
    unused    - the names of columns that nothing reads
 S*/
-#define MPM_GIVEN_COLUMNS 7
+#define MPM_GIVEN_COLUMNS 8
+#define MPM_GIVEN_SAID 5
 typedef struct {
   char       path[1024], unused[256];
   PetscInt64 particles, *before[MPM_MAX_DIM];
   PetscReal *column[MPM_GIVEN_COLUMNS], *property[MPM_PROPERTIES];
-  PetscBool  has[3], random;
+  PetscBool  has[MPM_GIVEN_SAID], random, of_steps;
 } MpmGiven;
 
 /*S
@@ -92,7 +93,8 @@ typedef struct {
 
    In each direction, particle j of the n in cell i rests at i + (j + offset + jitter (r - 1/2)) / n, where r in [0,1) is
    hashed from seed and the number of the site; cluster then squeezes the places of a cell together. The particles of a
-   cell are on the grid that is the product of those of the directions.
+   cell are on the grid that is the product of those of the directions. Particles of a file are displaced by
+   jitter (r - 1/2) / n cells, with r hashed from seed and id.
 
    Sites fill all cells. In one dimension they are numbered cell by cell. In more, a site has a number in each
    direction, and its number is that of its place in the box of all sites, direction 0 first. Particles take the sites

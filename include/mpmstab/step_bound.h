@@ -15,7 +15,8 @@
    particle - with the nodal masses split between particles as V_p abs(grad S_ip); swept: the best after further sweeps
    lanczos  - by products with a random vector: it is above the limit with a probability of chance at most
    estimate - by the largest Ritz value of the same products: it is above the limit
-   lone_at, particle_at - the particle that decides, and its place in cells
+   lone_at, particle_at - the particle that decides, and its place in cells; value: NULL, or by id room for lambda of each
+              particle, of which a rank sets its own
    nodes    - the nodal unknowns
    products - how many were taken
    sweeps, chance, seed - what was asked for; seed: of the random vector
@@ -24,7 +25,7 @@
 S*/
 typedef struct {
   PetscInt64 id;
-  PetscReal  place[MPM_MAX_DIM];
+  PetscReal  place[MPM_MAX_DIM], *value;
 } MpmDecider;
 
 typedef struct {

@@ -200,6 +200,7 @@ static MpmCritical Nothing(PetscReal tolerance)
                    .moving_diagonal = NAN,
                    .closed          = NAN,
                    .threshold       = PETSC_TRUE,
+                   .mode_at         = {.id = MPM_NONE},
                    .asked           = {.tolerance = tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) c.beta[a] = c.closed_beta[a] = NAN;

@@ -22,6 +22,7 @@
 #define PRECISION 1e-7
 #define NEAR_LIMIT 1e-4 /* relative distance below the limit within which doubt does not matter */
 #define APART 16        /* times so far beyond the limit growth is looked at next */
+#define ALIKE 1e-6      /* relative difference of velocities that may be rounding */
 #define BEYOND 0.01     /* relative distance above the limit at which growth is compared with that of rounding */
 
 typedef struct {
@@ -111,6 +112,29 @@ static PetscErrorCode TryNodal(Probe *p, PetscReal courant)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Finds the fastest particle of the first mode, that with the least id of several, and keeps all velocities if they are asked for. */
+static PetscErrorCode Velocities(const Probe *p, const MpmOperator *op, const MpmEigen *eigen, MpmCritical *c)
+{
+  const MpmLayout *l       = p->of->layout;
+  PetscReal        largest = 0, *v;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(l->dim * l->particles, &v));
+  PetscCall(MpmModesVelocities(op, eigen, v));
+  for (PetscInt64 id = 0; id < l->particles; id++) {
+    PetscReal square = 0;
+
+    for (PetscInt a = 0; a < l->dim; a++) square += PetscSqr(v[a * l->particles + id]);
+    if (!(square > largest * (1 + ALIKE))) continue;
+    largest       = square;
+    c->mode_at.id = id;
+  }
+  if (c->mode_at.id != MPM_NONE) MpmLayoutRest(l, c->mode_at.id, c->mode_at.place);
+  if (c->each) PetscCall(PetscArraycpy(c->each + 2 * l->particles, v, l->dim * l->particles));
+  PetscCall(PetscFree(v));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    Finds the mode that grows first, its phases beta, its type and its share in the null space of P2G. The first rank
    computes phases and type and sends them to all.
@@ -137,6 +161,7 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
     found[MPM_MAX_DIM] = modes.p_share[0];
     c->null_share      = modes.null_share[0];
   }
+  if (p->of->layout->given) PetscCall(Velocities(p, op, eigen, c));
   PetscCallMPI(MPI_Bcast(found, MPM_MAX_DIM + 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscCall(PetscArraycpy(c->beta, found, modes.dim));
   if (!isnan(found[MPM_MAX_DIM])) c->wave = MpmCriticalWaveOf(found[MPM_MAX_DIM], found[MPM_MAX_DIM]);
@@ -167,17 +192,16 @@ static PetscErrorCode Follow(Probe *p, PetscReal to, PetscBool grows, MpmCritica
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The nodal operator at a Courant number on the unknowns k^weight z, where it is linear in k^stride. */
-static PetscErrorCode Weighted(const Probe *p, const MpmNodalPlan *plan, PetscReal courant, PetscReal matrix[])
+/* The nodal operator of order n at a Courant number on the unknowns k^weight z, where it is linear in k^stride. */
+static PetscErrorCode Weighted(const Probe *p, const MpmNodalPlan *plan, PetscInt n, PetscReal courant,
+                               PetscReal matrix[])
 {
   MpmStep     step = p->of->step;
   MpmReduced *nodal;
-  PetscInt    n;
 
   PetscFunctionBegin;
   step.courant = courant;
   PetscCall(MpmNodalMatrixCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, NULL, &nodal));
-  PetscCall(MatGetSize(nodal->M, &n, NULL));
   PetscCall(MpmDenseCopy(nodal->M, matrix));
   PetscCall(MpmReducedDestroy(&nodal));
   for (PetscInt j = 0; j < n; j++)
@@ -186,25 +210,31 @@ static PetscErrorCode Weighted(const Probe *p, const MpmNodalPlan *plan, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The limit, where growth has real eigenvalues below -1 alone and the nodal operator is linear in k^stride; else NaN. */
-static PetscErrorCode LinearLimit(const Probe *p, PetscInt n, PetscReal *limit)
+/*
+   The limit, where growth has real eigenvalues below -1 alone and the nodal operator is linear in k^stride; else NaN. The
+   nodes may have more unknowns than the particles.
+*/
+static PetscErrorCode LinearLimit(const Probe *p, PetscReal *limit)
 {
   MpmNodalPlan *plan;
+  const char   *why;
   PetscReal    *at[2];
+  PetscInt64    n = 0;
 
   PetscFunctionBegin;
   *limit = NAN;
-  PetscCall(MpmNodalPlanCreate(p->of->scheme->table, NULL, &plan));
-  if (plan->degree == 1) {
+  PetscCall(MpmNodalPlanCreate(p->of->scheme->table, &why, &plan));
+  if (plan) n = plan->nimages * MpmLayoutNodes(p->of->layout);
+  if (plan && plan->degree == 1 && n <= MPM_DENSE_MANY) {
     const PetscReal power = exp2(plan->stride);
 
-    PetscCall(PetscMalloc2((size_t)n * n, &at[0], (size_t)n * n, &at[1]));
-    for (int i = 0; i < 2; i++) PetscCall(Weighted(p, plan, i + 1, at[i]));
-    for (size_t i = 0; i < (size_t)n * n; i++) {
+    PetscCall(PetscMalloc2((size_t)(n * n), &at[0], (size_t)(n * n), &at[1]));
+    for (int i = 0; i < 2; i++) PetscCall(Weighted(p, plan, (PetscInt)n, i + 1, at[i]));
+    for (PetscInt64 i = 0; i < n * n; i++) {
       at[1][i] = (at[1][i] - at[0][i]) / (power - 1);
       at[0][i] -= at[1][i];
     }
-    PetscCall(MpmPencilLeast(n, at[0], at[1], limit));
+    PetscCall(MpmPencilLeast((PetscInt)n, at[0], at[1], limit));
     *limit = pow(*limit, 1.0 / plan->stride);
     PetscCall(PetscFree2(at[0], at[1]));
     PetscCallMPI(MPI_Bcast(limit, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
@@ -219,7 +249,7 @@ static PetscErrorCode ByPencil(Probe *p, MpmCritical *c)
   PetscReal limit, growth;
 
   PetscFunctionBegin;
-  PetscCall(LinearLimit(p, c->nodal, &limit));
+  PetscCall(LinearLimit(p, &limit));
   if (!(limit <= MPM_CRITICAL_TO)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Growth(p, limit * (1 - PRECISION), &growth));
   if (growth > 1 + p->of->tolerance) PetscFunctionReturn(PETSC_SUCCESS);
@@ -256,7 +286,7 @@ static PetscErrorCode Search(Probe *p, PetscReal courant, MpmCritical *c)
     PetscCall(MpmSearchScan(Growth, p, p->of->tolerance, courant, PRECISION, c));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (!drifts && c->nodal) PetscCall(ByPencil(p, c));
+  if (!drifts) PetscCall(ByPencil(p, c));
   if (c->pencil) PetscFunctionReturn(PETSC_SUCCESS);
   if (grows) {
     steps.to   = courant;
@@ -287,7 +317,8 @@ static PetscErrorCode CheckRounding(Probe *p, MpmCritical *c)
 /* The bounds of the layout, with a march that refuses a grid that no run could have. It is on one rank for few unknowns. */
 static PetscErrorCode FindBounds(const MpmCriticalCase *of, MpmCritical *c)
 {
-  MpmMarch *march;
+  const PetscMPIInt n = (PetscMPIInt)of->layout->particles;
+  MpmMarch         *march;
 
   PetscFunctionBegin;
   PetscCall(MpmMarchCreateRandom(c->too_large ? PETSC_COMM_WORLD : PETSC_COMM_SELF, of->layout, of->scheme, &of->step,
@@ -295,7 +326,16 @@ static PetscErrorCode FindBounds(const MpmCriticalCase *of, MpmCritical *c)
   c->bounds  = (MpmStepBounds){.sweeps = of->sweeps, .chance = of->chance, .seed = of->layout->seed};
   c->bounded = of->chance > 0 ? PETSC_TRUE : PETSC_FALSE;
   if (c->bounded) c->bounds.why_not = MpmStepBoundWhyNot(of->layout, of->scheme, &of->step);
+  if (of->each) {
+    PetscCall(PetscCalloc1((2 + of->layout->dim) * n, &c->each));
+    c->bounds.lone_at.value     = c->each;
+    c->bounds.particle_at.value = c->each + n;
+  }
   if (c->bounded && !c->bounds.why_not) PetscCall(MpmStepBoundsFind(march, &c->bounds));
+  if (of->each && c->too_large)
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, c->each, 2 * n, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
+  for (PetscInt i = 0; of->each && i < (2 + of->layout->dim) * n; i++)
+    c->each[i] = i < 2 * n && !c->bounds.why_not ? c->bounds.factor / sqrt(c->each[i]) : NAN;
   PetscCall(MpmMarchDestroy(&march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

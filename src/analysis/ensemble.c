@@ -41,9 +41,6 @@ static PetscErrorCode Check(const MpmScene *scene, const MpmRequest *request, Pe
   *nodal = (PetscInt)PetscMin(unknowns, PETSC_MAX_INT);
   if (!unknowns) unknowns = scene->scheme.table->nstate * scene->layout.particles;
   MpmLayoutSizeText(&scene->layout, sizeof size, size);
-  MpmCheckInput(!scene->layout.given,
-                "layout %s: all layouts are that of the file; allowed: layout uniform with -jitter",
-                scene->layout.name);
   MpmCheckInput(scene->layout.jitter > 0,
                 "jitter 0: all layouts are the same without it; allowed: -jitter above 0, up to 1");
   MpmCheckInput(scene->layout.seed <= LAST_SEED - layouts + 1,

@@ -30,12 +30,11 @@ typedef struct {
   fftw_complex      *spectrum, *kept;
 } Lens;
 
-/* The first register of the first vector, or MPM_NONE. In one dimension there is no polarisation. */
-static PetscInt VectorOf(const MpmScheme *scheme)
+PetscInt MpmModesVector(const MpmScheme *scheme)
 {
   const MpmTable *table = scheme->table;
 
-  for (PetscInt r = 0; r < table->nstate && table->dim > 1; r++)
+  for (PetscInt r = 0; r < table->nstate; r++)
     if (table->field[r] >= 0 && scheme->formulation->particle_ranks[table->field[r]] == MPM_VECTOR) return r;
   return MPM_NONE;
 }
@@ -60,7 +59,8 @@ static PetscErrorCode LensCreate(const MpmOperator *op, const MpmEigen *eigen, L
   PC pc;
 
   PetscFunctionBegin;
-  *l = (Lens){.op = op, .dim = op->layout->dim, .vector = VectorOf(op->scheme)};
+  *l = (Lens){.op = op, .dim = op->layout->dim, .vector = MPM_NONE};
+  if (l->dim > 1) l->vector = MpmModesVector(op->scheme); /* in one dimension there is no polarisation */
   PetscCall(MatGetSize(op->p2g, &l->count, NULL));
   for (PetscInt a = 0; a < l->dim; a++) l->nodes_along[a] = op->layout->grid[a].nodes;
   l->half   = l->nodes_along[0] / 2 + 1;
@@ -243,6 +243,43 @@ PetscErrorCode MpmModesCreate(const MpmOperator *op, const MpmEigen *eigen, MpmM
 {
   PetscFunctionBegin;
   PetscCall(MpmModesCreateLeading(op, eigen, eigen->n, modes));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModesVelocities(const MpmOperator *op, const MpmEigen *eigen, PetscReal v[])
+{
+  const PetscInt   dim = op->layout->dim, vector = MpmModesVector(op->scheme);
+  const PetscInt64 n       = op->layout->particles;
+  PetscReal        largest = 0;
+  const PetscReal *state;
+  Vec              x[2], all;
+  VecScatter       to_all;
+
+  PetscFunctionBegin;
+  for (PetscInt64 i = 0; i < dim * n; i++) v[i] = NAN;
+  if (vector == MPM_NONE || eigen->n < 1) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MatCreateVecs(eigen->A, &x[0], &x[1]));
+  PetscCall(MpmEigenVector(eigen, 0, x[0], x[1]));
+  PetscCall(MpmOperatorToState(op, x[0], x[1]));
+  PetscCall(VecScatterCreateToAll(x[0], &to_all, &all));
+  PetscCall(VecScatterBegin(to_all, x[0], all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(to_all, x[0], all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecGetArrayRead(all, &state));
+  for (PetscInt64 id = 0; id < n; id++) {
+    PetscReal square = 0;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      v[a * n + id] = state[id * op->fields + vector + a];
+      square += PetscSqr(v[a * n + id]);
+    }
+    largest = PetscMax(largest, sqrt(square));
+  }
+  for (PetscInt64 i = 0; i < dim * n; i++) v[i] /= largest;
+  PetscCall(VecRestoreArrayRead(all, &state));
+  PetscCall(VecScatterDestroy(&to_all));
+  PetscCall(VecDestroy(&all));
+  PetscCall(VecDestroy(&x[0]));
+  PetscCall(VecDestroy(&x[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

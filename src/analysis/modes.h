@@ -22,6 +22,15 @@ PetscErrorCode MpmModesCreate(const MpmOperator *op, const MpmEigen *eigen, MpmM
 PetscErrorCode MpmModesCreateLeading(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmModes *modes);
 PetscErrorCode MpmModesDestroy(MpmModes *modes);
 
+/* Not collective. The first register of the first vector of a scheme's state, or MPM_NONE. */
+PetscInt MpmModesVector(const MpmScheme *scheme);
+
+/*
+   Collective. The velocities of the particles in the real part of the first listed eigenvector, on all ranks: for each
+   direction a number for each id. The largest velocity is 1. NaN: there is no vector.
+*/
+PetscErrorCode MpmModesVelocities(const MpmOperator *op, const MpmEigen *eigen, PetscReal v[]);
+
 /*
    MpmModesNullity - counts the states that no node feels and no filter removes, at the first step. For each field it is
    the number of particles minus the rank of the map by which nodes feel the field (P2G or DIV).

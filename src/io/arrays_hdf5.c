@@ -4,7 +4,7 @@
 */
 #include "base/memory.h"
 #include "io/arrays.h"
-#include "io/hdf5.h"
+#include "base/hdf5.h"
 #include <string.h>
 
 #define PATH_TEXT 160

@@ -4,7 +4,7 @@
 */
 #include "io/checkpoint.h"
 #include "io/checkpoint_file.h"
-#include "io/hdf5.h"
+#include "base/hdf5.h"
 #include "march/conserved.h"
 #include <mpmstab/errors.h>
 #include "scene/fields.h"

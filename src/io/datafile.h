@@ -1,6 +1,6 @@
 /* Data files: results as HDF5 files that appear whole or not at all. Scene and version are attributes of the root. */
 #pragma once
-#include "io/hdf5.h"
+#include "base/hdf5.h"
 #include "scene/request.h"
 
 typedef struct {

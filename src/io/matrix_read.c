@@ -1,7 +1,7 @@
 /* Reads a matrix: the first rank finds out the format, reads and checks the entries, and deals them to all ranks. */
 #include "base/memory.h"
 #include "base/textfile.h"
-#include "io/hdf5.h"
+#include "base/hdf5.h"
 #include "io/matrix_file.h"
 #include <mpmstab/errors.h>
 #include <errno.h>

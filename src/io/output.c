@@ -2,6 +2,8 @@
 #include "io/datafile.h"
 #include "io/output.h"
 #include "io/xdmf.h"
+#include "scheme/deform.h"
+#include "scene/material.h"
 #include "base/textfile.h"
 #include <math.h>
 #include <string.h>
@@ -141,6 +143,55 @@ static PetscErrorCode WriteCoordinates(MpmOutput *output, const char place[], co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The property of a particle in the scene's units, of now: volumes go with det F. */
+static PetscErrorCode WriteProperty(MpmOutput *output, const char place[], const MpmMarch *march, MpmProperty property,
+                                    const char name[])
+{
+  const MpmTable   *t = output->scene->scheme.table;
+  const PetscInt    n = march->particles->count, dim = march->layout->dim;
+  const PetscInt64 *id;
+  PetscReal        *q, *F[MPM_MAX_DIM * MPM_MAX_DIM], unit[MPM_PROPERTIES];
+
+  PetscFunctionBegin;
+  MpmMaterialUnits(output->scene, unit);
+  PetscCall(PetscMalloc1(n, &q));
+  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
+  for (PetscInt p = 0; p < n; p++) q[p] = unit[property] * MpmMaterialProperty(march->layout, property, id[p]);
+  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
+  if (property == MPM_VOLUME && MpmTableIsFinite(t)) {
+    for (PetscInt c = 0; c < dim * dim; c++)
+      PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
+    for (PetscInt p = 0; p < n; p++) {
+      PetscReal at[MPM_MAX_DIM * MPM_MAX_DIM];
+
+      for (PetscInt c = 0; c < dim * dim; c++) at[c] = F[c][p];
+      q[p] *= MpmDeterminant(dim, at);
+    }
+    for (PetscInt c = 0; c < dim * dim; c++)
+      PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
+  }
+  PetscCall(SetById(march, 1, q, output->by_id));
+  PetscCall(PetscFree(q));
+  PetscCall(WriteVector(output, output->by_id, 0, NULL, place, name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What layout FILE reads beside the places: the volumes and masses that are not the domain's shares, and moduli. */
+static PetscErrorCode WriteProperties(MpmOutput *output, const char place[], const MpmMarch *march)
+{
+  const MpmLayout *l = march->layout;
+  const PetscBool  alike =
+      MpmLayoutIsFull(l) && !l->varies[MPM_MASS] && !l->varies[MPM_VOLUME] ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (!alike || MpmTableIsFinite(output->scene->scheme.table)) {
+    PetscCall(WriteProperty(output, place, march, MPM_VOLUME, "volume"));
+    PetscCall(WriteProperty(output, place, march, MPM_MASS, "mass"));
+  }
+  if (l->varies[MPM_STIFFNESS]) PetscCall(WriteProperty(output, place, march, MPM_STIFFNESS, "young"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode WriteParticles(MpmOutput *output, const char group[], const MpmMarch *march)
 {
   char place[80];
@@ -158,6 +209,7 @@ static PetscErrorCode WriteParticles(MpmOutput *output, const char group[], cons
     PetscCall(VecScale(output->by_id, UnitOf(march, f)));
     PetscCall(WriteVector(output, output->by_id, 0, NULL, place, name));
   }
+  PetscCall(WriteProperties(output, place, march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

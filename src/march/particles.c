@@ -108,6 +108,26 @@ static PetscErrorCode FillExact(const MpmScene *scene, PetscReal amplitude, MpmP
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Particles that are held start at rest: what they get by G2P is 0. */
+static PetscErrorCode Hold(MpmParticles *particles)
+{
+  const MpmTable  *table = particles->table;
+  const PetscReal *mobility;
+  PetscReal       *q;
+
+  PetscFunctionBegin;
+  if (!particles->layout->varies[MPM_MOBILITY]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmParticlesGet(particles, MpmPropertyNames[MPM_MOBILITY], &mobility));
+  for (PetscInt o = 0; o < table->nops; o++) {
+    if (MpmOpTraitsOf(table->ops[o].kind).weight != MPM_MOBILITY || table->ops[o].dst >= table->nstate) continue;
+    PetscCall(MpmParticlesGet(particles, table->fields[table->ops[o].dst], &q));
+    for (PetscInt p = 0; p < particles->count; p++) q[p] *= mobility[p];
+    PetscCall(MpmParticlesRestore(particles, table->fields[table->ops[o].dst], &q));
+  }
+  PetscCall(MpmParticlesRestore(particles, MpmPropertyNames[MPM_MOBILITY], &mobility));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmParticlesFill(const MpmScene *scene, PetscInt exponent, MpmParticles *particles)
 {
   const PetscReal amplitude = scalbn(scene->amplitude, -(int)exponent);
@@ -117,6 +137,7 @@ PetscErrorCode MpmParticlesFill(const MpmScene *scene, PetscInt exponent, MpmPar
     PetscCall(MpmParticlesFillRandom(particles->layout->seed, amplitude, particles));
   else if (scene->initial != MPM_INITIAL_EIGENMODE)
     PetscCall(FillExact(scene, amplitude, particles));
+  PetscCall(Hold(particles));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

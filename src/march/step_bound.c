@@ -270,6 +270,7 @@ static PetscErrorCode Decide(Pass *s, PetscReal *most, MpmDecider *at)
   *most = 0;
   for (PetscInt p = 0; p < march->particles->count; p++) *most = fmax(*most, s->value[p]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 1, MPIU_REAL, MPI_MAX, comm));
+  for (PetscInt p = 0; at->value && p < march->particles->count; p++) at->value[id[p]] = s->value[p];
   at->id = PETSC_MAX_INT;
   for (PetscInt p = 0; p < march->particles->count; p++)
     if (s->value[p] >= *most * (1 - SAME) && id[p] < at->id) {
@@ -295,7 +296,7 @@ static PetscErrorCode FindByParticle(Pass *s, MpmStepBounds *b)
 {
   const PetscInt count = s->march->particles->count;
   PetscReal      most;
-  MpmDecider     at;
+  MpmDecider     at = {.value = NULL};
 
   PetscFunctionBegin;
   for (PetscInt p = 0; p < count; p++) {

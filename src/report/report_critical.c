@@ -208,6 +208,22 @@ void MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave, const Pe
                    2 * PETSC_PI / beta[0], beta[0]);
 }
 
+/* The particle of a file that is fastest in the mode that grows first, with its place in the unit of length. */
+static void ModeAt(json_t *result, const MpmScene *s, const MpmCritical *c)
+{
+  const PetscInt dim = s->layout.dim;
+  PetscReal      x[MPM_MAX_DIM];
+  char           place[MPM_VECTOR_TEXT];
+  json_t        *mode;
+
+  if (c->mode_at.id == MPM_NONE) return;
+  for (PetscInt a = 0; a < dim; a++) x[a] = c->mode_at.place[a] * s->cell_width;
+  mode = MpmResultIn(result, "mode_fastest");
+  MpmResultNumbers(mode, "place", dim, x);
+  MpmResultSay(mode, "               in it particle %" PetscInt64_FMT "{id} is the fastest, ", c->mode_at.id);
+  MpmPrint("at %s\n", MpmVectorText(dim, x, 6, place));
+}
+
 static void PrintReason(PetscInt dim, const MpmRequest *request, const MpmCritical *c)
 {
   char wave[256];
@@ -353,6 +369,7 @@ PetscErrorCode MpmCriticalReport(const MpmScene *s, const MpmRequest *request, c
     Bulk(critical, s->layout.dim, c);
     Bounds(critical, s, c);
     PrintReason(s->layout.dim, request, c);
+    ModeAt(critical, s, c);
     if (MpmSceneHasStep(s)) PrintAsked(s, request->tolerance, c);
   }
   if (MpmSceneHasStep(s)) MpmResultFinding(result, finding);

@@ -63,6 +63,8 @@ PetscErrorCode MpmStabilityMapWriteOutput(const MpmStabilityMap *map);
 PetscErrorCode MpmEnsembleWriteCsv(const MpmEnsemble *ensemble);
 PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, const MpmCritical *critical);
 PetscErrorCode MpmCriticalMachWriteCsv(const MpmScene *scene, const MpmRequest *request, const MpmCriticalMach *found);
+/* Collective. Writes the particles of a layout, and the numbers of each that critical has. */
+PetscErrorCode MpmCriticalWriteLayout(const char path[], const MpmScene *scene, const MpmCritical *critical);
 
 /*
    Collective. Prints the limits of every formulation, transfer and basis at a scene's layout as a table, and writes

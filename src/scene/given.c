@@ -1,14 +1,17 @@
 /*
-   Particles whose places a CSV file gives (layout FILE): a header with the names of the columns, then a line for each
-   particle, whose id is the number of its line. The first rank reads the file line by line, twice: it counts the lines,
-   and then fills arrays of that size, which all ranks get.
+   Particles whose places a file gives (layout FILE). A CSV file has a header with the names of the columns, then a line for
+   each particle, whose id is the number of its line. The first rank reads the file line by line, twice: it counts the lines,
+   and then fills arrays of that size, which all ranks get. Of an HDF5 file that -output has written, the arrays of the
+   particles at the last step are the columns.
 
    The moduli of a particle count as its stiffness against a strain in one direction, over the scene's rho c^2: E for a bar,
    and E (1 - nu) / ((1 + nu) (1 - 2 nu)) in more dimensions.
 */
+#include "base/hdf5.h"
 #include "base/memory.h"
 #include "base/textfile.h"
 #include "scene/layout.h"
+#include "scene/material.h"
 #include "scene/settings.h"
 #include <math.h>
 #include <stdlib.h>
@@ -21,8 +24,8 @@
 #define PORTION (1 << 28) /* numbers in a message */
 #define SAME_RATIO 1e-12
 
-enum { X, Y, Z, VOLUME, MASS, YOUNG, POISSON, KNOWN, IGNORED = -1 };
-static const char *const names[KNOWN] = {"x", "y", "z", "volume", "mass", "young", "poisson"};
+enum { X, Y, Z, VOLUME, MASS, YOUNG, POISSON, FIXED, KNOWN, IGNORED = -1 };
+static const char *const names[KNOWN] = {"x", "y", "z", "volume", "mass", "young", "poisson", "fixed"};
 
 /* What a column's numbers may be. */
 static const struct {
@@ -35,11 +38,14 @@ static const struct {
                    [VOLUME]  = {0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
                    [MASS]    = {0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
                    [YOUNG]   = {0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
-                   [POISSON] = {0, 0.5, PETSC_FALSE, "a number from 0 to 0.5"}};
+                   [POISSON] = {0, 0.5, PETSC_FALSE, "a number from 0 to 0.5"},
+                   [FIXED]   = {0, 1, PETSC_FALSE, "1 for a particle that is held, else 0"}};
 
 /* A file that is being read. why: what is wrong with it, after its name; empty: nothing. */
 typedef struct {
   FILE      *stream;
+  MpmHdf5    hdf5;
+  char       group[64];
   PetscInt   dim, columns, of[MOST_COLUMNS];
   PetscInt64 line, particles;
   PetscReal *value[KNOWN];
@@ -144,6 +150,12 @@ static void ReadHeader(Reader *r)
   }
 }
 
+static PetscBool IsAllowed(PetscInt of, PetscReal x)
+{
+  if (!isfinite(x) || x > ranges[of].hi || (of == FIXED && x != rint(x))) return PETSC_FALSE;
+  return x > ranges[of].lo || (x == ranges[of].lo && !ranges[of].open) ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* Reads the numbers of a particle. */
 static void ReadParticle(Reader *r, PetscInt64 id)
 {
@@ -163,8 +175,7 @@ static void ReadParticle(Reader *r, PetscInt64 id)
     if (of == IGNORED) continue;
     value = strtod(cell, &end);
     if (end != cell) end += strspn(end, " \t");
-    if (end == cell || *end || !isfinite(value) ||
-        !(ranges[of].open ? value > ranges[of].lo : value >= ranges[of].lo) || value > ranges[of].hi) {
+    if (end == cell || *end || !IsAllowed(of, value)) {
       (void)snprintf(r->why, sizeof r->why, "line %" PetscInt64_FMT ": %s '%.40s'; allowed: %s", r->line, names[of],
                      cell, ranges[of].allowed);
       return;
@@ -173,25 +184,89 @@ static void ReadParticle(Reader *r, PetscInt64 id)
   }
 }
 
+/* ---- HDF5 ---- */
+
+/* Finds the group of the last step, whose particles' arrays are the columns. */
+static void ReadGroups(Reader *r)
+{
+  PetscInt64 shape[2] = {0};
+  int        dims;
+  char       name[64], path[128];
+
+  for (PetscInt i = 0; MpmHdf5Group(&r->hdf5, i, sizeof name, name); i++)
+    if (!strncmp(name, "step_", 5) && strcmp(name, r->group) > 0) (void)snprintf(r->group, sizeof r->group, "%s", name);
+  (void)snprintf(path, sizeof path, "/%s/particles/coordinates", r->group);
+  if (!r->group[0] || !MpmHdf5Array(&r->hdf5, path, 2, &dims, shape) || dims != 2 || shape[0] < 1 ||
+      shape[1] != (r->dim == 1 ? 3 : r->dim)) {
+    (void)snprintf(r->why, sizeof r->why,
+                   "no particles of a step with -dim %" PetscInt_FMT
+                   " are in it; allowed: CSV, or what run -output has "
+                   "written (run -restart FILE -output OUT.h5 makes that of a checkpoint)",
+                   r->dim);
+    return;
+  }
+  r->particles = shape[0];
+  for (PetscInt a = 0; a < r->dim; a++) r->of[r->columns++] = a;
+  for (PetscInt c = VOLUME; c < KNOWN; c++) {
+    (void)snprintf(path, sizeof path, "/%s/particles/%s", r->group, names[c]);
+    if (MpmHdf5Array(&r->hdf5, path, 1, &dims, shape) && dims == 1 && shape[0] == r->particles) r->of[r->columns++] = c;
+  }
+}
+
+static PetscErrorCode ReadArrays(Reader *r)
+{
+  const PetscInt width = r->dim == 1 ? 3 : r->dim;
+  PetscReal     *x;
+  char           path[128];
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(width * r->particles, &x));
+  (void)snprintf(path, sizeof path, "/%s/particles/coordinates", r->group);
+  MpmHdf5ReadArray(&r->hdf5, path, x);
+  for (PetscInt c = 0; c < r->columns && !r->why[0]; c++) {
+    PetscReal *value = r->value[r->of[c]];
+
+    (void)snprintf(path, sizeof path, "/%s/particles/%s", r->group, names[r->of[c]]);
+    if (r->of[c] >= VOLUME) MpmHdf5ReadArray(&r->hdf5, path, value);
+    for (PetscInt64 id = 0; id < r->particles && !r->hdf5.failed && !r->why[0]; id++) {
+      if (r->of[c] < VOLUME) value[id] = x[width * id + r->of[c]];
+      if (!IsAllowed(r->of[c], value[id]))
+        (void)snprintf(r->why, sizeof r->why, "particle %" PetscInt64_FMT ": %s %g; allowed: %s", id, names[r->of[c]],
+                       value[id], ranges[r->of[c]].allowed);
+    }
+  }
+  if (r->hdf5.failed) (void)snprintf(r->why, sizeof r->why, "HDF5 cannot read it; allowed: a whole file");
+  PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- the file ---- */
 
 static PetscErrorCode Open(const char path[], Reader *r)
 {
-  int error = 0;
+  PetscBool is    = PETSC_FALSE;
+  int       error = 0;
 
   PetscFunctionBegin;
   if (MpmRankOf(PETSC_COMM_WORLD) == 0) {
     r->stream = MpmFileOpen(path, &error);
     if (!r->stream)
-      (void)snprintf(r->why, sizeof r->why, "%s; allowed: uniform, random, or a CSV file of particles",
+      (void)snprintf(r->why, sizeof r->why, "%s; allowed: uniform, random, or a CSV or HDF5 file of particles",
                      MpmFileReason(error));
-    if (r->stream) Count(r);
-    if (r->stream && !r->why[0]) ReadHeader(r);
+    if (r->stream) PetscCall(MpmHdf5Is(path, &is));
+    if (is) {
+      PetscCall(MpmHdf5Open(PETSC_COMM_SELF, path, &r->hdf5));
+      ReadGroups(r);
+    } else if (r->stream) {
+      Count(r);
+      if (!r->why[0]) ReadHeader(r);
+    }
   }
   PetscCallMPI(MPI_Bcast(r->why, sizeof r->why, MPI_CHAR, 0, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Bcast(&r->particles, 1, MPIU_INT64, 0, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Bcast(&r->columns, 1, MPIU_INT, 0, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Bcast(r->of, MOST_COLUMNS, MPIU_INT, 0, PETSC_COMM_WORLD));
+  PetscCallMPI(MPI_Bcast(r->group, sizeof r->group, MPI_CHAR, 0, PETSC_COMM_WORLD));
   PetscCallMPI(MPI_Bcast(r->unused, sizeof r->unused, MPI_CHAR, 0, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -210,8 +285,9 @@ static PetscErrorCode Share(Reader *r)
 PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene)
 {
   const char *path  = MpmSettingsText(settings, "layout");
-  Reader      r     = {.dim = scene->layout.dim};
+  Reader      r     = {.dim = scene->layout.dim, .hdf5 = {.file = -1}};
   MpmGiven   *given = NULL;
+  PetscBool   failed;
 
   PetscFunctionBegin;
   scene->layout.name = "uniform";
@@ -221,7 +297,7 @@ PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   MpmSettingsRefuseIf(!*path || strlen(path) >= sizeof given->path, settings, "layout",
-                      "allowed: uniform, random, or the name of a CSV file of particles");
+                      "allowed: uniform, random, or the name of a CSV or HDF5 file of particles");
   PetscCall(Open(path, &r));
   if (!r.why[0]) {
     PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, path,
@@ -233,16 +309,19 @@ PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene
     for (PetscInt c = 0; c < r.columns; c++)
       if (r.of[c] != IGNORED) PetscCall(PetscMalloc1(r.particles, &given->column[r.of[c]]));
     PetscCall(PetscArraycpy(r.value, given->column, KNOWN));
-    for (PetscInt64 id = 0; r.stream && id < r.particles && !r.why[0]; id++)
+    if (r.hdf5.file >= 0) PetscCall(ReadArrays(&r));
+    for (PetscInt64 id = 0; r.stream && r.hdf5.file < 0 && id < r.particles && !r.why[0]; id++)
       if (NextLine(&r)) ReadParticle(&r, id);
     PetscCall(Share(&r));
+    given->of_steps = r.group[0] ? PETSC_TRUE : PETSC_FALSE;
   }
+  if (r.hdf5.file >= 0) PetscCall(MpmHdf5Close(&r.hdf5, &failed));
   if (r.stream) (void)fclose(r.stream);
   MpmCheckInput(!r.why[0], "layout %s: %s", path, r.why);
   (void)snprintf(given->path, sizeof given->path, "%s", path);
   (void)snprintf(given->unused, sizeof given->unused, "%s", r.unused);
   given->particles = r.particles;
-  for (int i = 0; i < 3; i++) given->has[i] = given->column[VOLUME + i] ? PETSC_TRUE : PETSC_FALSE;
+  for (int i = 0; i < MPM_GIVEN_SAID; i++) given->has[i] = given->column[VOLUME + i] ? PETSC_TRUE : PETSC_FALSE;
   scene->layout.name = given->path;
   if (given->column[POISSON] && scene->layout.dim > 1 && MpmSettingsSource(settings, "poisson") == MPM_FROM_DEFAULT)
     scene->scheme.space.poisson = given->column[POISSON][0];
@@ -302,21 +381,32 @@ PetscErrorCode MpmGivenScatter(MpmLayout *layout)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where a particle stands in its file: text of WHERE characters. */
+#define WHERE 40
+static const char *Where(const MpmGiven *given, PetscInt64 id, char text[WHERE])
+{
+  (void)snprintf(text, WHERE, "%s %" PetscInt64_FMT, given->of_steps ? "particle" : "line",
+                 given->of_steps ? id : id + 2);
+  return text;
+}
+
 /* Turns the places of a file along a direction into cells. */
 static PetscErrorCode PlaceAlong(const MpmScene *scene, PetscInt a)
 {
   MpmGiven       *given = scene->layout.given;
   const PetscInt  cells = scene->layout.grid[a].cells;
   const PetscReal width = scene->cell_width;
+  char            where[WHERE];
 
   PetscFunctionBegin;
   for (PetscInt64 id = 0; id < given->particles; id++) {
     const PetscReal x = given->column[a][id] / width;
 
-    MpmCheckInput(x >= 0 && x <= cells,
-                  "layout %s: line %" PetscInt64_FMT ": %s %.17g is outside of the domain; allowed: from 0 to %.17g "
-                  "(-length, -cell_width and -cells say how long the domain is)",
-                  given->path, id + 2, names[a], given->column[a][id], scene->length[a]);
+    MpmCheckInput(
+        x >= 0 && x <= cells,
+        "layout %s: %s: %s %.17g is outside of the domain; allowed: from 0 to %.17g (-length, -cell_width and "
+        "-cells say how long the domain is)",
+        given->path, Where(given, id, where), names[a], given->column[a][id], scene->length[a]);
     given->column[a][id] = x;
   }
   PetscCall(CountAlong(&scene->layout, a));
@@ -331,39 +421,51 @@ static PetscReal Stiffness(const MpmScene *scene, PetscReal young)
   return scene->layout.dim == 1 ? young : young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
 }
 
+void MpmMaterialUnits(const MpmScene *scene, PetscReal unit[MPM_PROPERTIES])
+{
+  const PetscReal density = scene->density > 0 ? scene->density : 1;
+
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++) unit[w] = 1;
+  for (PetscInt a = 0; a < scene->layout.dim; a++)
+    unit[MPM_VOLUME] *=
+        scene->cell_width / (scene->layout.ppc[a] * (scene->scheme.space.finite ? scene->scheme.space.stretch[a] : 1));
+  unit[MPM_MASS]      = density * unit[MPM_VOLUME];
+  unit[MPM_STIFFNESS] = density * PetscSqr(scene->wave_speed) / Stiffness(scene, 1);
+}
+
 /* Properties in units of a particle of the scene's material that fills 1 / ppc of a cell. */
 static PetscErrorCode Weigh(MpmScene *scene)
 {
-  MpmLayout      *l       = &scene->layout;
-  MpmGiven       *given   = l->given;
-  const PetscReal density = scene->density > 0 ? scene->density : 1;
-  const PetscReal modulus = density * PetscSqr(scene->wave_speed);
-  PetscReal       unit = 1, domain = 1;
+  static const PetscInt from[MPM_PROPERTIES] = {
+      [MPM_VOLUME] = VOLUME, [MPM_MASS] = MASS, [MPM_STIFFNESS] = YOUNG, [MPM_MOBILITY] = FIXED};
+  MpmLayout *l      = &scene->layout;
+  MpmGiven  *given  = l->given;
+  PetscReal  domain = 1, unit[MPM_PROPERTIES];
+  char       where[WHERE];
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < l->dim; a++) {
-    unit *= scene->cell_width / l->ppc[a];
-    domain *= scene->length[a];
-  }
+  MpmMaterialUnits(scene, unit);
+  for (PetscInt a = 0; a < l->dim; a++) domain *= scene->length[a];
   for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) {
-    if (w == MPM_STIFFNESS && !given->column[YOUNG]) continue;
+    if (!given->column[from[w]] && w != MPM_VOLUME && w != MPM_MASS) continue;
     PetscCall(PetscMalloc1(given->particles, &given->property[w]));
     l->varies[w] = PETSC_TRUE;
+    for (PetscInt64 id = 0; id < given->particles; id++)
+      given->property[w][id] = given->column[from[w]] ? given->column[from[w]][id] / unit[w] : NAN;
   }
   for (PetscInt64 id = 0; id < given->particles; id++) {
-    const PetscReal volume =
-        (given->column[VOLUME] ? given->column[VOLUME][id] : domain / (PetscReal)given->particles) / unit;
+    PetscReal *const *p = given->property;
 
-    given->property[MPM_VOLUME][id] = volume;
-    given->property[MPM_MASS][id]   = given->column[MASS] ? given->column[MASS][id] / (density * unit) : volume;
-    if (given->column[YOUNG]) given->property[MPM_STIFFNESS][id] = Stiffness(scene, given->column[YOUNG][id]) / modulus;
-    for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++)
-      MpmCheckInput(!given->property[w] || isnormal(given->property[w][id]),
-                    "layout %s: line %" PetscInt64_FMT
-                    ": mass, volume or young is out of range beside the scene's density, cells and wave speed",
-                    given->path, id + 2);
+    if (!given->column[VOLUME]) p[MPM_VOLUME][id] = domain / (PetscReal)given->particles / unit[MPM_VOLUME];
+    if (!given->column[MASS]) p[MPM_MASS][id] = p[MPM_VOLUME][id];
+    if (p[MPM_MOBILITY]) p[MPM_MOBILITY][id] = 1 - p[MPM_MOBILITY][id];
+    MpmCheckInput(
+        isnormal(p[MPM_VOLUME][id]) && isnormal(p[MPM_MASS][id]) &&
+            (!p[MPM_STIFFNESS] || isnormal(p[MPM_STIFFNESS][id])),
+        "layout %s: %s: mass, volume or young is out of range beside the scene's density, cells and wave speed",
+        given->path, Where(given, id, where));
   }
-  for (PetscInt c = VOLUME; c < POISSON; c++) PetscCall(PetscFree(given->column[c]));
+  for (PetscInt c = VOLUME; c < KNOWN; c++) PetscCall(PetscFree(given->column[c]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -372,13 +474,14 @@ static PetscErrorCode CheckPoisson(const MpmScene *scene)
 {
   const MpmGiven *given = scene->layout.given;
   const PetscReal nu    = scene->scheme.space.poisson;
+  char            where[WHERE];
 
   PetscFunctionBegin;
   for (PetscInt64 id = 0; given->column[POISSON] && scene->layout.dim > 1 && id < given->particles; id++)
     MpmCheckInput(fabs(given->column[POISSON][id] - nu) <= SAME_RATIO,
-                  "layout %s: line %" PetscInt64_FMT ": poisson %.17g where another particle, or -poisson, has %.17g; "
-                  "allowed: one for all particles",
-                  given->path, id + 2, given->column[POISSON][id], nu);
+                  "layout %s: %s: poisson %.17g where another particle, or -poisson, has %.17g; allowed: one for all "
+                  "particles",
+                  given->path, Where(given, id, where), given->column[POISSON][id], nu);
   MpmCheckInput(
       !given->column[YOUNG] || scene->layout.dim == 1 || nu < 0.5,
       "layout %s: young with poisson 0.5 has no finite stiffness; allowed: poisson below 0.5, or no column young",
@@ -388,7 +491,7 @@ static PetscErrorCode CheckPoisson(const MpmScene *scene)
 
 PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scene)
 {
-  static const char *const of_sites[] = {"counts", "offset",        "jitter",          "cluster",  "fill",
+  static const char *const of_sites[] = {"counts", "offset",        "cluster",         "fill",
                                          "shape",  "density_ratio", "stiffness_ratio", "inclusion"};
   MpmLayout               *l          = &scene->layout;
   MpmGiven                *given      = l->given;
@@ -406,6 +509,9 @@ PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scen
                 "layout %s: its particles are at rest and have no stretch; allowed: without kinematics finite",
                 given->path);
   PetscCall(CheckPoisson(scene));
+  MpmCheckInput(!given->column[FIXED] || !MpmSceneDrifts(scene),
+                "layout %s: a particle that is held does not drift; allowed: without drift, or without column fixed",
+                given->path);
   if (given->random) {
     PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, l,
                                    (PetscReal)l->sites * sizeof(PetscReal) * (l->dim + MPM_PROPERTIES) *
@@ -424,11 +530,22 @@ PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scen
 
 /* ---- a particle ---- */
 
+/* A place that jitter moves, and that goes round a periodic domain and comes back from a wall. */
+static PetscReal Displaced(const MpmLayout *layout, PetscInt a, PetscInt64 id, PetscReal x)
+{
+  const PetscReal cells = layout->grid[a].cells;
+
+  x += layout->jitter * (MpmHash(MpmLayoutSeed(layout, a), id) - 0.5) / layout->ppc[a];
+  if (layout->grid[a].ends[0] == MPM_PERIODIC) return PetscMin(x - cells * floor(x / cells), nextafter(cells, 0));
+  return x < 0 ? -x : x > cells ? 2 * cells - x : x;
+}
+
 void MpmGivenPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], PetscReal xi[])
 {
   for (PetscInt a = 0; a < layout->dim; a++) {
-    const PetscReal x = layout->given->column[a][id];
+    PetscReal x = layout->given->column[a][id];
 
+    if (layout->jitter != 0) x = Displaced(layout, a, id, x);
     cell[a] = (PetscInt)x;
     xi[a]   = x - cell[a];
     if (cell[a] < layout->grid[a].cells) continue;
@@ -442,9 +559,10 @@ void MpmGivenText(const MpmGiven *given, size_t room, char text[])
   if (given->random)
     (void)snprintf(text, room, "%" PetscInt64_FMT " particles anywhere in the domain, by -seed", given->particles);
   else
-    (void)snprintf(text, room, "%s; %s; %s%s%s",
+    (void)snprintf(text, room, "%s; %s; %s%s%s%s",
                    given->has[0] ? "volumes of the file" : "volume of each: the domain's over the number of particles",
                    given->has[1] ? "masses of the file" : "mass: density times volume",
                    given->has[2] ? "young of the file" : "moduli of the options",
+                   given->has[MPM_GIVEN_SAID - 1] ? "; particles are held where fixed is 1" : "",
                    given->unused[0] ? "; not used: " : "", given->unused);
 }

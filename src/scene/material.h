@@ -1,6 +1,6 @@
 /* Material: the properties in which particles differ. A scene whose particles are all alike has none. */
 #pragma once
-#include <mpmstab/layout.h>
+#include <mpmstab/scene.h>
 
 /* The names of the swarm fields that hold these properties. That of MPM_NO_PROPERTY is NULL. */
 extern const char *const MpmPropertyNames[MPM_PROPERTIES];
@@ -25,3 +25,6 @@ PetscReal MpmMaterialDensity(const MpmLayout *layout, const PetscReal x[]);
 
 /* Not collective. Finds bounds of the properties over a scene: the least mass, and the largest volume and stiffness. */
 void MpmMaterialBounds(const MpmLayout *layout, PetscReal bound[MPM_PROPERTIES]);
+
+/* Not collective. What property 1 is in a scene's units: a volume and a mass at rest, and Young's modulus. */
+void MpmMaterialUnits(const MpmScene *scene, PetscReal unit[MPM_PROPERTIES]);

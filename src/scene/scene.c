@@ -368,7 +368,7 @@ static PetscErrorCode ReadMaterial(const MpmSettings *settings, MpmScene *scene)
     scene->layout.material = (MpmMaterial){.kind = MPM_MATERIAL_UNIFORM, .density = 1, .stiffness = 1};
   }
   if (scene->layout.given) {
-    if (scene->layout.given->has[1] || scene->layout.given->has[2])
+    if (scene->layout.given->has[1] || scene->layout.given->has[2] || scene->layout.varies[MPM_MOBILITY])
       PetscCall(MpmSettingsRequire(settings, scene, "layout", CanDiffer, "density and stiffness of each particle"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }

@@ -61,9 +61,9 @@ PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const 
       !request->neighbourhood[MPM_AT_WORST])
     PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "layouts",
                                    "allowed: with neighbourhood random, disordered or worst"));
-  if (critical && !request->neighbourhood[MPM_AT_WORST])
-    PetscCall(
-        MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "write_layout", "allowed: with neighbourhood worst"));
+  if (critical && !request->neighbourhood[MPM_AT_WORST] && !scene->layout.given)
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "write_layout",
+                                   "allowed: with neighbourhood worst, or with layout FILE or random"));
   if (!MpmSettingsGiven(settings, "layouts"))
     request->layouts = strcmp(request->task, "ensemble") ? SOME_LAYOUTS : MANY_LAYOUTS;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -20,15 +20,18 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
   of.all_particles                = !request->nodal;
   of.sweeps                       = request->step_bound_sweeps;
   of.chance                       = request->step_bound_chance;
+  of.each                         = scene->layout.given && request->write_layout[0];
   if (bulk) {
     PetscCall(MpmCriticalFind(&of, PETSC_FALSE, bulk));
     place = MpmNeighbourhoodOfCritical(bulk);
   }
   if (all) PetscCall(MpmNeighbourhoodsFind(scene, request, &place, PETSC_TRUE, all));
   if (request->csv[0] && bulk) PetscCall(MpmCriticalWriteCsv(request->csv, scene, bulk));
+  if (of.each) PetscCall(MpmCriticalWriteLayout(request->write_layout, scene, bulk));
   PetscCall(MpmCriticalReport(scene, request, bulk, all, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, all ? &all->finding : &bulk->asked, missed));
   PetscCall(MpmExpectNumber(&expect, MPM_EXPECT_CRITICAL, all ? all->courant : bulk->courant, missed));
+  if (of.each) PetscCall(PetscFree(bulk->each));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,13 +1,18 @@
 #!/usr/bin/python3
-"""Checks -layout FILE: lattices written as CSV give the limits and runs of the same lattices, on any number of ranks, and bad
+"""Checks -layout FILE: lattices written as CSV give the limits and runs of the same lattices, on any number of ranks; field
+output is a layout; particles that are held stay; the particles are written again with their bounds and the mode; and bad
 files are refused with the number of their line.
 
 check_layout_file.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
+import csv
 import itertools
 import math
 import subprocess
 import sys
+
+import h5py
+import numpy
 
 from checks import check, loaded
 
@@ -100,12 +105,92 @@ def check_random():
     check("its layout is random, the scene has none" in error, error)
 
 
+def check_field_output():
+    """The last step of field output is the layout of its places, volumes and masses. A checkpoint is not one, and says why."""
+    words = "-formulation usl -kinematics finite -material neo -dim 2 -cells 6 -basis quadratic -courant 0.3 -amplitude 0.05"
+    run(f"run {words} -steps 20 -output out.h5 -output_every 10 -checkpoint kept.h5")
+    with h5py.File("out.h5") as file:
+        of = file["step_0000000020/particles"]
+        columns = [of["coordinates"][:, 0], of["coordinates"][:, 1], of["volume"][:], of["mass"][:]]
+        stretch = of["f_xx"][:] * of["f_yy"][:] - of["f_xy"][:] * of["f_yx"][:]
+    check(numpy.allclose(columns[2], stretch / 144, rtol=1e-14), "volumes are not det F of the share of a cell")
+    check(numpy.allclose(columns[3], 1 / 144, rtol=1e-14), "masses are not those at rest")
+    write("out.csv", "x,y,volume,mass", numpy.transpose(columns))
+    scheme = "usl -dim 2 -cells 6 -basis quadratic"
+    same(limit(f"{scheme} -layout out.h5"), limit(f"{scheme} -layout out.csv"), "field output and CSV", 1e-12)
+    same(limit(f"{scheme} -layout out.h5"), run(f"critical {scheme} -layout out.h5", 2)[1]["critical"]["critical_courant"],
+         "field output on ranks", 1e-9)
+    run(f"run {words} -steps 20 -restart kept.h5 -output again.h5")
+    same(limit(f"{scheme} -layout out.h5"), limit(f"{scheme} -layout again.h5"), "output of a checkpoint", 1e-12)
+    for file, dim in (("kept.h5", 2), ("out.h5", 1)):
+        _, error = run(f"critical usl -dim {dim} -cells 6 -basis quadratic -layout {file}", 1, 2)
+        check(len(error.splitlines()) == 1 and "run -restart FILE -output" in error, error)
+    with h5py.File("out.h5", "a") as file:
+        file["step_0000000020/particles/mass"][3] = -1
+    _, error = run(f"critical {scheme} -layout out.h5", 1, 2)
+    check("particle 3: mass -1" in error, error)
+
+
+def check_held():
+    """Particles with fixed 1 stay at rest, and the others feel them, on any number of ranks."""
+    import random
+    random.seed(2)
+    rows = [[8 * random.random(), 8 * random.random(), int(p % 5 == 0)] for p in range(120)]
+    write("held.csv", "x,y,fixed", rows)
+    words = "-formulation musl -dim 2 -basis quadratic -cells 8 -length 8 -courant 0.4 -initial random"
+    found = [run(f"run {words} -layout held.csv -steps 30 -output held.h5", ranks)[1]["run"] for ranks in (1, 2)]
+    same(found[0]["growth_measured"], found[1]["growth_measured"], "held particles on ranks", 1e-12)
+    with h5py.File("held.h5") as file:
+        of = file["step_0000000030/particles"]
+        speed = abs(of["v_x"][:]) + abs(of["v_y"][:])
+    held = numpy.array([row[2] for row in rows]) == 1
+    check((speed[held] == 0).all() and (speed[~held] > 0).all(), "held particles move, or the others do not")
+    check(run(f"spectrum {words.replace(' -initial random', '')} -layout held.csv")[1]["spectrum"]["step_mismatch"] < 1e-12, "operator and march differ")
+    for extra in ("-drift 1/8", "-kinematics finite"):
+        _, error = run(f"run {words.replace('musl', 'usl')} -layout held.csv -steps 1 {extra}", 1, 2)
+        check(len(error.splitlines()) == 1, error)
+
+
+def check_written():
+    """The particles come back with their bounds, the least of which decides, and the mode; and are a layout again."""
+    import random
+    random.seed(3)
+    write("more.csv", "x,y,volume,mass,young", [[6 * random.random(), 6 * random.random(), *(random.uniform(0.1, 0.4)
+                                                 for _ in range(3))] for _ in range(80)])
+    scheme = "usl -dim 2 -basis quadratic -cells 6 -length 6"
+    found = run(f"critical {scheme} -layout more.csv -write_layout back.csv", 2)[1]["critical"]
+    with open("back.csv", encoding="utf-8") as file:
+        rows = [{name: float(cell) for name, cell in row.items()} for row in csv.DictReader(file)]
+    for name in ("lone", "particle"):
+        least = min(range(80), key=lambda i, name=name: rows[i][name])
+        same(rows[least][name], found["bounds"][name], f"least bound {name}", 1e-12)
+        check(least == found["bounds"][f"{name}_decided_by"]["id"], f"another particle decides {name}")
+    speed = [math.hypot(row["mode_x"], row["mode_y"]) for row in rows]
+    fastest = found["mode_fastest"]
+    check(abs(speed[fastest["id"]] - 1) < 1e-12 and max(speed) < 1 + 1e-5, "the fastest particle")
+    same(rows[fastest["id"]]["x"], fastest["place"][0], "the place of the fastest", 1e-12)
+    same(limit(f"{scheme} -layout back.csv"), found["critical_courant"], "written and read again", 1e-9)
+
+
+def check_around():
+    """Layouts around that of a file: nearer ones have nearer limits, and an ensemble of them is the same on ranks."""
+    write("around.csv", "x", [[(i + 0.3 * (i % 3)) / 2] for i in range(15)])
+    scheme = "usl -basis quadratic -cells 8 -length 8 -layout around.csv"
+    exact = limit(scheme)
+    away = [abs(limit(f"{scheme} -jitter {jitter} -seed 5") / exact - 1) for jitter in (1e-6, 1e-3, 1)]
+    check(1e-9 < away[0] < 1e-5 < away[1] < 1e-2 < away[2], f"limits around: {away}")
+    shares = [run(f"ensemble {scheme} -jitter 1 -courant 1 -layouts 12", ranks)[1]["ensemble"]["unstable"]
+              for ranks in (1, 2)]
+    check(shares[0] == shares[1] and 0 < shares[0] < 12, f"an ensemble around a file: {shares}")
+
+
 BAD = [("", "it is empty"), ("x\n", "no particle"), ("y\n0\n", "line 1: there is no column x"),
        ("x,y\n0,0\n", "line 1: there is a column y"), ("x,volume\n.5,1\n.5,-1\n", "line 3: volume '-1'"),
        ("x\nnan\n", "line 2: x 'nan'"), ("x\n.5\n\n.6\n", "line 3: x ''"), ("x\n.5,.6\n", "line 2: more numbers"),
        ("x,mass\n.5\n", "line 2: fewer numbers"), ("x\n.5\n1.5\n", "line 3: x 1.5 is outside"),
        ("x,x\n1,1\n", "line 1: a column twice"), ("x\n.5e\n", "line 2: x '.5e'"), ("\0\1\2", "line 1: not text"),
-       ("x\n" + "1" * 5000 + "\n", "line 2: not text, or longer"), ("x,volume\n.5,1e-320\n", "line 2: mass, volume")]
+       ("x\n" + "1" * 5000 + "\n", "line 2: not text, or longer"), ("x,volume\n.5,1e-320\n", "line 2: mass, volume"),
+       ("x,fixed\n.5,0.5\n", "line 2: fixed '0.5'")]
 
 
 def check_refusals():
@@ -115,7 +200,7 @@ def check_refusals():
         _, error = run("critical usl -cells 4 -layout bad.csv", 1, 2)
         check(len(error.splitlines()) == 1 and says in error and "layout bad.csv" in error, f"{text!r}: {error}")
     write("good.csv", "x", [[0.1]])
-    for words in ("critical usl -layout none.csv", "critical usl -layout good.csv -jitter 1", "symbol -layout good.csv",
+    for words in ("critical usl -layout none.csv", "symbol -layout good.csv",
                   "critical usl -layout good.csv -ppc 2", "critical usl -layout good.csv -neighbourhood lone",
                   "ensemble -layout good.csv"):
         _, error = run(words, 1, 2)
@@ -129,4 +214,8 @@ check_lattices()
 check_materials()
 check_ranks()
 check_random()
+check_field_output()
+check_held()
+check_written()
+check_around()
 check_refusals()

@@ -5,7 +5,7 @@
    is asked to grant room before HDF5 writes. When it does not, HDF5 is asked for nothing more.
 */
 #define _GNU_SOURCE /* fallocate */
-#include "io/hdf5.h"
+#include "base/hdf5.h"
 #include <mpmstab/errors.h>
 #include <errno.h>
 #include <fcntl.h>
