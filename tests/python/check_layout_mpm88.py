@@ -35,6 +35,8 @@ def main():
     found = loaded("found.json")["critical"]
     limit = found["critical_dt"]
     check(limit < mpm88.FACTOR * mpm88.DT, f"the step that breaks is below the limit {limit}")
+    decides = [found["bounds"]["particle_decided_by"]["id"], found["mode_fastest"]["id"]]
+    check(f"{limit:.4g}" == "0.002717" and decides == [54, 54], f"the README of your-layout has other numbers: {limit} {decides}")
     check(limit > mpm88.DT, f"mpm88's own step is above the limit {limit}")
     with open("found.csv", encoding="utf-8") as file:
         rows = [{name: float(cell) for name, cell in row.items()} for row in csv.DictReader(file)]
