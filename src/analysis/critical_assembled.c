@@ -22,7 +22,6 @@
 #define PRECISION 1e-7
 #define NEAR_LIMIT 1e-4 /* relative distance below the limit within which doubt does not matter */
 #define APART 16        /* times so far beyond the limit growth is looked at next */
-#define ALIKE 1e-6      /* relative difference of velocities that may be rounding */
 #define BEYOND 0.01     /* relative distance above the limit at which growth is compared with that of rounding */
 
 typedef struct {
@@ -112,26 +111,16 @@ static PetscErrorCode TryNodal(Probe *p, PetscReal courant)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the fastest particle of the first mode, that with the least id of several, and keeps all velocities if they are asked for. */
-static PetscErrorCode Velocities(const Probe *p, const MpmOperator *op, const MpmEigen *eigen, MpmCritical *c)
+/* Finds the fastest particle of the first mode, and keeps all velocities if they are asked for. */
+static PetscErrorCode Velocities(const MpmLayout *l, const MpmOperator *op, const MpmEigen *eigen, MpmCritical *c)
 {
-  const MpmLayout *l       = p->of->layout;
-  PetscReal        largest = 0, *v;
+  PetscReal *v = c->each ? c->each + 2 * l->particles : NULL, *own = NULL;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(l->dim * l->particles, &v));
-  PetscCall(MpmModesVelocities(op, eigen, v));
-  for (PetscInt64 id = 0; id < l->particles; id++) {
-    PetscReal square = 0;
-
-    for (PetscInt a = 0; a < l->dim; a++) square += PetscSqr(v[a * l->particles + id]);
-    if (!(square > largest * (1 + ALIKE))) continue;
-    largest       = square;
-    c->mode_at.id = id;
-  }
+  if (!v) PetscCall(PetscMalloc1(l->dim * l->particles, &own));
+  PetscCall(MpmModesVelocities(op, eigen, v ? v : own, &c->mode_at.id));
   if (c->mode_at.id != MPM_NONE) MpmLayoutRest(l, c->mode_at.id, c->mode_at.place);
-  if (c->each) PetscCall(PetscArraycpy(c->each + 2 * l->particles, v, l->dim * l->particles));
-  PetscCall(PetscFree(v));
+  PetscCall(PetscFree(own));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -161,7 +150,7 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
     found[MPM_MAX_DIM] = modes.p_share[0];
     c->null_share      = modes.null_share[0];
   }
-  if (p->of->layout->given) PetscCall(Velocities(p, op, eigen, c));
+  if (p->of->layout->given) PetscCall(Velocities(p->of->layout, op, eigen, c));
   PetscCallMPI(MPI_Bcast(found, MPM_MAX_DIM + 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscCall(PetscArraycpy(c->beta, found, modes.dim));
   if (!isnan(found[MPM_MAX_DIM])) c->wave = MpmCriticalWaveOf(found[MPM_MAX_DIM], found[MPM_MAX_DIM]);

@@ -12,6 +12,7 @@
 #define SEEN 1e-8  /* relative to the mode; a nodal trace below it is rounding */
 #define RANK 1e-10 /* singular values below this, relative to the largest, count as 0 */
 #define ITERATIONS 2000
+#define ALIKE 1e-6 /* relative difference of squares of velocities that may be rounding */
 
 /*
    The work space of the loop over modes. nodes_along: the number of nodes in each direction; half: the number of phases
@@ -30,7 +31,8 @@ typedef struct {
   fftw_complex      *spectrum, *kept;
 } Lens;
 
-PetscInt MpmModesVector(const MpmScheme *scheme)
+/* The first register of the first vector, or MPM_NONE. */
+static PetscInt VectorOf(const MpmScheme *scheme)
 {
   const MpmTable *table = scheme->table;
 
@@ -60,7 +62,7 @@ static PetscErrorCode LensCreate(const MpmOperator *op, const MpmEigen *eigen, L
 
   PetscFunctionBegin;
   *l = (Lens){.op = op, .dim = op->layout->dim, .vector = MPM_NONE};
-  if (l->dim > 1) l->vector = MpmModesVector(op->scheme); /* in one dimension there is no polarisation */
+  if (l->dim > 1) l->vector = VectorOf(op->scheme); /* in one dimension there is no polarisation */
   PetscCall(MatGetSize(op->p2g, &l->count, NULL));
   for (PetscInt a = 0; a < l->dim; a++) l->nodes_along[a] = op->layout->grid[a].nodes;
   l->half   = l->nodes_along[0] / 2 + 1;
@@ -246,9 +248,9 @@ PetscErrorCode MpmModesCreate(const MpmOperator *op, const MpmEigen *eigen, MpmM
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmModesVelocities(const MpmOperator *op, const MpmEigen *eigen, PetscReal v[])
+PetscErrorCode MpmModesVelocities(const MpmOperator *op, const MpmEigen *eigen, PetscReal v[], PetscInt64 *fastest)
 {
-  const PetscInt   dim = op->layout->dim, vector = MpmModesVector(op->scheme);
+  const PetscInt   dim = op->layout->dim, vector = VectorOf(op->scheme);
   const PetscInt64 n       = op->layout->particles;
   PetscReal        largest = 0;
   const PetscReal *state;
@@ -256,7 +258,7 @@ PetscErrorCode MpmModesVelocities(const MpmOperator *op, const MpmEigen *eigen, 
   VecScatter       to_all;
 
   PetscFunctionBegin;
-  for (PetscInt64 i = 0; i < dim * n; i++) v[i] = NAN;
+  *fastest = MPM_NONE;
   if (vector == MPM_NONE || eigen->n < 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MatCreateVecs(eigen->A, &x[0], &x[1]));
   PetscCall(MpmEigenVector(eigen, 0, x[0], x[1]));
@@ -272,9 +274,11 @@ PetscErrorCode MpmModesVelocities(const MpmOperator *op, const MpmEigen *eigen, 
       v[a * n + id] = state[id * op->fields + vector + a];
       square += PetscSqr(v[a * n + id]);
     }
-    largest = PetscMax(largest, sqrt(square));
+    if (!(square > largest * (1 + ALIKE))) continue;
+    largest  = square;
+    *fastest = id;
   }
-  for (PetscInt64 i = 0; i < dim * n; i++) v[i] /= largest;
+  for (PetscInt64 i = 0; i < dim * n; i++) v[i] /= sqrt(largest);
   PetscCall(VecRestoreArrayRead(all, &state));
   PetscCall(VecScatterDestroy(&to_all));
   PetscCall(VecDestroy(&all));

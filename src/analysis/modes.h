@@ -22,14 +22,12 @@ PetscErrorCode MpmModesCreate(const MpmOperator *op, const MpmEigen *eigen, MpmM
 PetscErrorCode MpmModesCreateLeading(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmModes *modes);
 PetscErrorCode MpmModesDestroy(MpmModes *modes);
 
-/* Not collective. The first register of the first vector of a scheme's state, or MPM_NONE. */
-PetscInt MpmModesVector(const MpmScheme *scheme);
-
 /*
    Collective. The velocities of the particles in the real part of the first listed eigenvector, on all ranks: for each
-   direction a number for each id. The largest velocity is 1. NaN: there is no vector.
+   direction a number for each id. fastest: the id of the largest velocity, which is 1, the least of several; MPM_NONE:
+   the state has no vector.
 */
-PetscErrorCode MpmModesVelocities(const MpmOperator *op, const MpmEigen *eigen, PetscReal v[]);
+PetscErrorCode MpmModesVelocities(const MpmOperator *op, const MpmEigen *eigen, PetscReal v[], PetscInt64 *fastest);
 
 /*
    MpmModesNullity - counts the states that no node feels and no filter removes, at the first step. For each field it is

@@ -143,52 +143,42 @@ static PetscErrorCode WriteCoordinates(MpmOutput *output, const char place[], co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The property of a particle in the scene's units, of now: volumes go with det F. */
-static PetscErrorCode WriteProperty(MpmOutput *output, const char place[], const MpmMarch *march, MpmProperty property,
-                                    const char name[])
+/*
+   What layout FILE reads beside the places, in the scene's units: volumes of now, which go with det F, and masses, where they
+   are not the domain's shares, and moduli.
+*/
+static PetscErrorCode WriteProperties(MpmOutput *output, const char place[], const MpmMarch *march)
 {
-  const MpmTable   *t = output->scene->scheme.table;
-  const PetscInt    n = march->particles->count, dim = march->layout->dim;
+  static const char *const names[MPM_PROPERTIES] = {
+      [MPM_VOLUME] = "volume", [MPM_MASS] = "mass", [MPM_STIFFNESS] = "young"};
+  const MpmTable   *t      = output->scene->scheme.table;
+  const MpmLayout  *l      = march->layout;
+  const PetscBool   finite = MpmTableIsFinite(t);
+  const PetscInt    n = march->particles->count, components = finite ? l->dim * l->dim : 0;
   const PetscInt64 *id;
-  PetscReal        *q, *F[MPM_MAX_DIM * MPM_MAX_DIM], unit[MPM_PROPERTIES];
+  PetscReal        *q, *F[MPM_MAX_DIM * MPM_MAX_DIM], at[MPM_MAX_DIM * MPM_MAX_DIM], unit[MPM_PROPERTIES];
 
   PetscFunctionBegin;
   MpmMaterialUnits(output->scene, unit);
   PetscCall(PetscMalloc1(n, &q));
   PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
-  for (PetscInt p = 0; p < n; p++) q[p] = unit[property] * MpmMaterialProperty(march->layout, property, id[p]);
-  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
-  if (property == MPM_VOLUME && MpmTableIsFinite(t)) {
-    for (PetscInt c = 0; c < dim * dim; c++)
-      PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
+  for (PetscInt c = 0; c < components; c++)
+    PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++) {
+    const PetscBool shares = MpmLayoutIsFull(l) && !l->varies[MPM_VOLUME] && !l->varies[MPM_MASS] && !finite;
+
+    if (!names[w] || (w == MPM_STIFFNESS ? !l->varies[w] : shares)) continue;
     for (PetscInt p = 0; p < n; p++) {
-      PetscReal at[MPM_MAX_DIM * MPM_MAX_DIM];
-
-      for (PetscInt c = 0; c < dim * dim; c++) at[c] = F[c][p];
-      q[p] *= MpmDeterminant(dim, at);
+      for (PetscInt c = 0; c < components; c++) at[c] = F[c][p];
+      q[p] = unit[w] * MpmMaterialProperty(l, w, id[p]) * (w == MPM_VOLUME && finite ? MpmDeterminant(l->dim, at) : 1);
     }
-    for (PetscInt c = 0; c < dim * dim; c++)
-      PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
+    PetscCall(SetById(march, 1, q, output->by_id));
+    PetscCall(WriteVector(output, output->by_id, 0, NULL, place, names[w]));
   }
-  PetscCall(SetById(march, 1, q, output->by_id));
+  for (PetscInt c = 0; c < components; c++)
+    PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
+  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
   PetscCall(PetscFree(q));
-  PetscCall(WriteVector(output, output->by_id, 0, NULL, place, name));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What layout FILE reads beside the places: the volumes and masses that are not the domain's shares, and moduli. */
-static PetscErrorCode WriteProperties(MpmOutput *output, const char place[], const MpmMarch *march)
-{
-  const MpmLayout *l = march->layout;
-  const PetscBool  alike =
-      MpmLayoutIsFull(l) && !l->varies[MPM_MASS] && !l->varies[MPM_VOLUME] ? PETSC_TRUE : PETSC_FALSE;
-
-  PetscFunctionBegin;
-  if (!alike || MpmTableIsFinite(output->scene->scheme.table)) {
-    PetscCall(WriteProperty(output, place, march, MPM_VOLUME, "volume"));
-    PetscCall(WriteProperty(output, place, march, MPM_MASS, "mass"));
-  }
-  if (l->varies[MPM_STIFFNESS]) PetscCall(WriteProperty(output, place, march, MPM_STIFFNESS, "young"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -167,18 +167,10 @@ static PetscErrorCode Diagonal(MPI_Comm comm, PetscInt count, const PetscReal nu
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscInt64 NodesOf(const MpmLayout *layout)
-{
-  PetscInt64 nodes = 1;
-
-  for (PetscInt a = 0; a < layout->dim; a++) nodes *= layout->grid[a].nodes;
-  return nodes;
-}
-
 PetscErrorCode MpmNodalMatrixUnknowns(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step,
                                       PetscInt64 *unknowns)
 {
-  const PetscInt64 nodes = NodesOf(layout);
+  const PetscInt64 nodes = MpmLayoutNodes(layout);
   MpmReduced       r     = {.nkept = 0};
   MpmNodalPlan    *plan;
   const char      *why;
@@ -261,7 +253,7 @@ PetscErrorCode MpmNodalMatrixCreate(MPI_Comm comm, const MpmLayout *layout, cons
   x.maps = (MpmMaps){.slab = &x.sizes};
   PetscCall(PetscCalloc1(PetscMax(1, x.plan->nmaps), &x.map));
   for (PetscInt m = 0; m < x.plan->nmaps; m++) PetscCall(MapOf(&x, &x.plan->map[m], &x.map[m]));
-  Count(x.plan, layout->particles, NodesOf(layout), r, &too_many);
+  Count(x.plan, layout->particles, MpmLayoutNodes(layout), r, &too_many);
   for (PetscInt g = 0; g < x.plan->nimages; g++) c[g] = x.plan->image[g].c;
   PetscCall(Diagonal(comm, x.plan->nstate, x.plan->kept, x.sizes.particles, &r->kept));
   PetscCall(Diagonal(comm, x.plan->nimages, c, x.sizes.nodes, &r->kept_small));

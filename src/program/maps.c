@@ -43,21 +43,13 @@ PetscInt MpmNodeWeightsMost(const MpmSlab *s)
   return n;
 }
 
-static PetscInt AllNodes(const MpmLayout *layout)
-{
-  PetscInt n = 1;
-
-  for (PetscInt a = 0; a < layout->dim; a++) n *= layout->grid[a].nodes;
-  return n;
-}
-
 PetscErrorCode MpmNodeWeightsMatrix(const MpmSlab *s, Mat *matrix)
 {
   const PetscInt most = MpmNodeWeightsMost(s);
 
   PetscFunctionBegin;
   PetscCall(MatCreateAIJ(s->comm, s->particles, s->nodes, PETSC_DETERMINE, PETSC_DETERMINE, PetscMin(most, s->nodes),
-                         NULL, PetscMin(most, AllNodes(s->layout) - s->nodes), NULL, matrix));
+                         NULL, PetscMin(most, (PetscInt)MpmLayoutNodes(s->layout) - s->nodes), NULL, matrix));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -181,7 +173,7 @@ static PetscErrorCode Stencil(const MpmSlab *r, const MpmOp *op, const MpmParity
 
   PetscFunctionBegin;
   PetscCall(MatCreateAIJ(r->comm, r->nodes, r->nodes, PETSC_DETERMINE, PETSC_DETERMINE, PetscMin(3, r->nodes), NULL,
-                         PetscMin(2, AllNodes(r->layout) - r->nodes), NULL, map));
+                         PetscMin(2, (PetscInt)MpmLayoutNodes(r->layout) - r->nodes), NULL, map));
   for (PetscInt node = r->node0; node < r->node0 + r->nodes; node++) {
     PetscInt       stride;
     const PetscInt i = MpmNodeAlong(r->layout, node, op->axis, &stride);

@@ -208,22 +208,6 @@ void MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave, const Pe
                    2 * PETSC_PI / beta[0], beta[0]);
 }
 
-/* The particle of a file that is fastest in the mode that grows first, with its place in the unit of length. */
-static void ModeAt(json_t *result, const MpmScene *s, const MpmCritical *c)
-{
-  const PetscInt dim = s->layout.dim;
-  PetscReal      x[MPM_MAX_DIM];
-  char           place[MPM_VECTOR_TEXT];
-  json_t        *mode;
-
-  if (c->mode_at.id == MPM_NONE) return;
-  for (PetscInt a = 0; a < dim; a++) x[a] = c->mode_at.place[a] * s->cell_width;
-  mode = MpmResultIn(result, "mode_fastest");
-  MpmResultNumbers(mode, "place", dim, x);
-  MpmResultSay(mode, "               in it particle %" PetscInt64_FMT "{id} is the fastest, ", c->mode_at.id);
-  MpmPrint("at %s\n", MpmVectorText(dim, x, 6, place));
-}
-
 static void PrintReason(PetscInt dim, const MpmRequest *request, const MpmCritical *c)
 {
   char wave[256];
@@ -289,27 +273,31 @@ static void PrintSearch(const MpmScene *s, const MpmCritical *c)
              c->evaluations, c->order);
 }
 
+/* A particle, with its place in the unit of length. */
+static void Decider(json_t *result, const MpmScene *s, const char format[], const MpmDecider *at)
+{
+  char      place[MPM_VECTOR_TEXT];
+  PetscReal x[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < s->layout.dim; a++) x[a] = at->place[a] * s->cell_width;
+  MpmResultNumbers(result, "place", s->layout.dim, x);
+  MpmResultSay(result, format, at->id);
+  MpmPrint("%s", MpmVectorText(s->layout.dim, x, 6, place));
+}
+
 /* A bound, what it is, and the particle that decides, with its place in the unit of length. */
 static void Bound(json_t *bounds, const MpmScene *s, const char name[], PetscReal courant, const char text[],
                   const MpmDecider *at)
 {
-  char      place[MPM_VECTOR_TEXT], key[32];
-  PetscReal x[MPM_MAX_DIM];
+  char key[32];
 
   if (bounds) MpmResultPut(bounds, name, json_real(courant));
   MpmPrint("    %-10s %-11.6g", name, courant);
   if (MpmSceneIsPhysical(s)) MpmPrint(" dt %-11.6g", MpmSceneTimeStep(s, courant));
   MpmPrint(" %s", text);
-  if (at) {
-    json_t *decides;
-
-    for (PetscInt a = 0; a < s->layout.dim; a++) x[a] = at->place[a] * s->cell_width;
-    (void)snprintf(key, sizeof key, "%s_decided_by", name);
-    decides = MpmResultIn(bounds, key);
-    MpmResultNumbers(decides, "place", s->layout.dim, x);
-    MpmResultSay(decides, "; particle %" PetscInt64_FMT "{id} at ", at->id);
-    MpmPrint("%s decides", MpmVectorText(s->layout.dim, x, 6, place));
-  }
+  (void)snprintf(key, sizeof key, "%s_decided_by", name);
+  if (at) Decider(MpmResultIn(bounds, key), s, "; particle %" PetscInt64_FMT "{id} at ", at);
+  if (at) MpmPrint(" decides");
   MpmPrint("\n");
 }
 
@@ -369,7 +357,11 @@ PetscErrorCode MpmCriticalReport(const MpmScene *s, const MpmRequest *request, c
     Bulk(critical, s->layout.dim, c);
     Bounds(critical, s, c);
     PrintReason(s->layout.dim, request, c);
-    ModeAt(critical, s, c);
+    if (c->mode_at.id != MPM_NONE) {
+      Decider(MpmResultIn(critical, "mode_fastest"), s,
+              "               in it particle %" PetscInt64_FMT "{id} is the fastest, at ", &c->mode_at);
+      MpmPrint("\n");
+    }
     if (MpmSceneHasStep(s)) PrintAsked(s, request->tolerance, c);
   }
   if (MpmSceneHasStep(s)) MpmResultFinding(result, finding);
