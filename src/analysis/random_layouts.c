@@ -67,6 +67,7 @@ static PetscErrorCode BoxOf(const Search *s, PetscInt i, MpmLayout *to)
   }
   l.particles = l.sites;
   if (s->asked->scatter && i % 2) {
+    l.jitter = 0;
     PetscCall(MpmGivenCreateRandom(&l));
     PetscCall(MpmGivenScatter(&l));
   }
@@ -369,7 +370,8 @@ static PetscErrorCode Loosen(Boxed *b)
     given->particles++;
   }
   PetscCall(MpmGivenDestroy(&l->given));
-  l->given = given;
+  l->given  = given;
+  l->jitter = 0;
   l->sites = l->particles = given->particles;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

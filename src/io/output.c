@@ -161,23 +161,23 @@ static PetscErrorCode WriteProperties(MpmOutput *output, const char place[], con
   PetscFunctionBegin;
   MpmMaterialUnits(output->scene, unit);
   PetscCall(PetscMalloc1(n, &q));
-  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
   for (PetscInt c = 0; c < components; c++)
     PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++) {
     const PetscBool shares = MpmLayoutIsFull(l) && !l->varies[MPM_VOLUME] && !l->varies[MPM_MASS] && !finite;
 
     if (!names[w] || (w == MPM_STIFFNESS ? !l->varies[w] : shares)) continue;
+    PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
     for (PetscInt p = 0; p < n; p++) {
       for (PetscInt c = 0; c < components; c++) at[c] = F[c][p];
       q[p] = unit[w] * MpmMaterialProperty(l, w, id[p]) * (w == MPM_VOLUME && finite ? MpmDeterminant(l->dim, at) : 1);
     }
+    PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
     PetscCall(SetById(march, 1, q, output->by_id));
     PetscCall(WriteVector(output, output->by_id, 0, NULL, place, names[w]));
   }
   for (PetscInt c = 0; c < components; c++)
     PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
-  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
   PetscCall(PetscFree(q));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
