@@ -11,46 +11,60 @@
 #include <math.h>
 
 #define MODES (MPM_BLOCH_VECTORS / 2)
-/* Fills a state, real and imaginary part, with a Bloch mode. q: the numbers of the cell at the origin. */
-static PetscErrorCode Fill(const MpmOperator *op, const PetscReal beta[], const double complex q[], Vec mode[2])
+
+/* The cell of a particle of a scene, and its site in it. */
+static void AtOfLayout(const void *of, PetscInt64 id, PetscInt64 cell[], PetscInt *site)
 {
-  const MpmLayout *layout = op->layout;
-  PetscInt         begin, end;
-  PetscReal       *x[2];
+  const MpmLayout *layout = of;
+
+  MpmLayoutSites(layout, id, cell);
+  *site = 0;
+  for (PetscInt a = layout->dim - 1; a >= 0; a--) {
+    *site = *site * layout->ppc[a] + (PetscInt)(cell[a] % layout->ppc[a]);
+    cell[a] /= layout->ppc[a];
+  }
+}
+
+/* Fills a state, real and imaginary part, with a Bloch mode. q: the numbers of the cell at the origin. */
+static PetscErrorCode Fill(const MpmBlochCells *c, PetscInt dim, const PetscReal beta[], const double complex q[],
+                           Vec mode[2])
+{
+  PetscInt   begin, end;
+  PetscReal *x[2];
 
   PetscFunctionBegin;
   PetscCall(VecGetOwnershipRange(mode[0], &begin, &end));
   for (int part = 0; part < 2; part++) PetscCall(VecGetArrayWrite(mode[part], &x[part]));
-  for (PetscInt64 id = begin / op->fields; id < end / op->fields; id++) {
-    PetscInt64 site[MPM_MAX_DIM];
-    PetscInt   j     = 0;
+  for (PetscInt64 id = begin / c->fields; id < end / c->fields; id++) {
+    PetscInt64 cell[MPM_MAX_DIM];
+    PetscInt   j;
     PetscReal  angle = 0;
 
-    MpmLayoutSites(layout, id, site);
-    for (PetscInt a = layout->dim - 1; a >= 0; a--) {
-      j = j * layout->ppc[a] + (PetscInt)(site[a] % layout->ppc[a]);
-      angle += beta[a] * (PetscReal)(site[a] / layout->ppc[a]);
-    }
-    for (PetscInt f = 0; f < op->fields; f++) {
-      const double complex value = cexp(I * angle) * q[op->fields * j + f];
+    c->at(c->of, id, cell, &j);
+    for (PetscInt a = 0; a < dim; a++) angle += beta[a] * (PetscReal)cell[a];
+    for (PetscInt f = 0; f < c->fields; f++) {
+      const double complex value = cexp(I * angle) * q[c->fields * j + f];
 
-      x[0][op->fields * id + f - begin] = creal(value);
-      x[1][op->fields * id + f - begin] = cimag(value);
+      x[0][c->fields * id + f - begin] = creal(value);
+      x[1][c->fields * id + f - begin] = cimag(value);
     }
   }
   for (int part = 0; part < 2; part++) PetscCall(VecRestoreArrayWrite(mode[part], &x[part]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The eigenvector of a phase's matrix for a factor; the same on every rank. */
-static PetscErrorCode Vector(MPI_Comm comm, MpmBloch *bloch, const MpmSymbol *s, const MpmSymbolFactor *c,
-                             const PetscReal beta[], MpmSmallEigen *small, PetscInt *nearest)
+/* The eigenvector of a phase's matrix for a factor; the same on every rank. bloch: NULL where the cells have a source. */
+static PetscErrorCode Vector(MPI_Comm comm, MpmBloch *bloch, const MpmBlochCells *cells, const MpmSymbol *s,
+                             const MpmSymbolFactor *c, const PetscReal beta[], MpmSmallEigen *small, PetscInt *nearest)
 {
   PetscMPIInt count;
   PetscInt    exponent;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochMatrices(bloch, 1, &s->step.courant, beta, PETSC_FALSE, small->matrix, &exponent));
+  if (bloch)
+    PetscCall(MpmBlochMatrices(bloch, 1, &s->step.courant, beta, PETSC_FALSE, small->matrix, &exponent));
+  else
+    PetscCall(MpmSourceMatrix(&cells->source, beta, small->matrix, &exponent));
   PetscCall(MpmSmallEigenSolve(small, PETSC_TRUE));
   PetscCall(PetscMPIIntCast(2 * (PetscInt64)s->size * s->size, &count));
   PetscCallMPI(MPI_Bcast(small->right, count, MPI_DOUBLE, 0, comm));
@@ -64,9 +78,11 @@ static PetscErrorCode Vector(MPI_Comm comm, MpmBloch *bloch, const MpmSymbol *s,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBlochModesCreate(const MpmOperator *op, const MpmSymbol *s, PetscInt *n, Vec **vectors)
+PetscErrorCode MpmBlochModesCreate(const MpmOperator *op, const MpmSymbol *s, const MpmBlochCells *cells, PetscInt *n,
+                                   Vec **vectors)
 {
-  const MPI_Comm  comm = PetscObjectComm((PetscObject)op->A);
+  const MPI_Comm  comm   = PetscObjectComm((PetscObject)op->A);
+  MpmBlochCells   layout = {.fields = op->fields, .of = op->layout, .at = AtOfLayout};
   MpmSymbolFactor best[MODES];
   MpmBloch        bloch;
   MpmSmallEigen   small;
@@ -79,17 +95,19 @@ PetscErrorCode MpmBlochModesCreate(const MpmOperator *op, const MpmSymbol *s, Pe
   PetscCall(MatCreateVecs(op->A, &x, NULL));
   PetscCall(VecDuplicateVecs(x, MPM_BLOCH_VECTORS, vectors));
   PetscCall(VecDestroy(&x));
-  PetscCall(MpmBlochCreate(op->layout, op->scheme, s->step.drift, &bloch));
+  if (!cells) PetscCall(MpmBlochCreate(op->layout, op->scheme, s->step.drift, &bloch));
   PetscCall(MpmSmallEigenCreate(s->size, &small));
   for (PetscInt m = 0; m < *n / 2; m++) {
     PetscReal beta[MPM_MAX_DIM];
     PetscInt  j = 0;
 
     MpmSymbolBeta(s, (PetscInt)best[m].phase, beta);
-    PetscCall(Vector(comm, &bloch, s, &best[m], beta, &small, &j));
-    PetscCall(Fill(op, beta, small.right + j * s->size, *vectors + 2 * m));
+    PetscCall(Vector(comm, cells ? NULL : &bloch, cells, s, &best[m], beta, &small, &j));
+    PetscCall(Fill(cells ? cells : &layout, s->dim, beta, small.right + j * s->size, *vectors + 2 * m));
+    for (int part = 0; part < 2 && cells && op->unit; part++)
+      PetscCall(VecPointwiseMult((*vectors)[2 * m + part], (*vectors)[2 * m + part], op->unit));
   }
   PetscCall(MpmSmallEigenDestroy(&small));
-  PetscCall(MpmBlochDestroy(&bloch));
+  if (!cells) PetscCall(MpmBlochDestroy(&bloch));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -29,7 +29,7 @@ PetscErrorCode MpmFrozenSpectrum(const MpmScene *scene, const MpmRequest *reques
   PetscCall(MpmTangentAssemble(tangent, &matrix));
   PetscCall(MatDestroy(&tangent));
   PetscCall(MpmTangentSpaceDestroy(&space));
-  PetscCall(MpmSpectrumOfMatrix("the tangent", matrix, 1, request, started, spectrum));
+  PetscCall(MpmSpectrumOfMatrix("the tangent", matrix, 1, NULL, request, started, spectrum));
   PetscCall(MatDestroy(&matrix));
   finding = &(*spectrum)->finding;
   if (!(*mismatch <= MPM_MISMATCH)) {

@@ -73,7 +73,7 @@ static PetscErrorCode SolveBloch(MpmSpectrum *s)
   Vec     *vectors;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochModesCreate(s->op, s->symbol, &n, &vectors));
+  PetscCall(MpmBlochModesCreate(s->op, s->symbol, s->cells, &n, &vectors));
   PetscCall(MpmEigenRitz(s->op->balanced, n, vectors, &s->eigen));
   PetscCall(VecDestroyVecs(MPM_BLOCH_VECTORS, &vectors));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -128,7 +128,8 @@ static PetscErrorCode SolveBest(MpmSpectrum *s)
 
   PetscFunctionBegin;
   PetscCall(MpmEigenAsked(&asked));
-  bloch = symbol && !asked && MpmEigenChoose(s->op->order, symbol) == MPM_EIGEN_TARGET ? PETSC_TRUE : PETSC_FALSE;
+  bloch = symbol && !asked && (s->cells || MpmEigenChoose(s->op->order, symbol) == MPM_EIGEN_TARGET) ? PETSC_TRUE
+                                                                                                     : PETSC_FALSE;
   if (s->request->nodal && s->scene && !bloch) PetscCall(MpmNodalMatrixOf(s->op, &s->nodal));
   if (s->nodal) PetscCall(MatGetSize(s->nodal->M, &n, NULL));
   method = assembled || s->scene ? MethodOf(s->scene, s->op->order, n, symbol, assembled) : MPM_EIGEN_LARGEST;
@@ -437,8 +438,20 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, const MpmRequest *request,
-                                   PetscReal started, MpmSpectrum **spectrum)
+/* The symbol of a lattice at the phases of its waves. */
+static PetscErrorCode TakeCells(const MpmBlochCells *cells, MpmSpectrum *s)
+{
+  MpmSymbolWish wish = {.keep = PETSC_TRUE, .tolerance = s->request->tolerance};
+
+  PetscFunctionBegin;
+  s->cells = cells;
+  PetscCall(PetscArraycpy(wish.phases, cells->cells, MPM_MAX_DIM));
+  PetscCall(MpmSymbolFromSource(PETSC_COMM_WORLD, &cells->source, &wish, &s->symbol));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, const MpmBlochCells *cells,
+                                   const MpmRequest *request, PetscReal started, MpmSpectrum **spectrum)
 {
   PetscInt order;
 
@@ -451,6 +464,7 @@ PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, co
                 request->powers, what, period, period);
   PetscCall(Begin(request, spectrum));
   PetscCall(MpmOperatorFromMatrix(A, period, &(*spectrum)->op));
+  if (cells) PetscCall(TakeCells(cells, *spectrum));
   PetscCall(Finish(PETSC_COMM_WORLD, started, *spectrum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

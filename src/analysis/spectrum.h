@@ -3,6 +3,7 @@
    growth, compared.
 */
 #pragma once
+#include "analysis/bloch_modes.h"
 #include "analysis/modes.h"
 #include "symbol/predict.h"
 #include "analysis/pseudospectrum.h"
@@ -15,7 +16,7 @@ typedef struct MpmCertificates_ MpmCertificates; /* probe/certificates.h */
    MpmSpectrum - the result of the task spectrum. A number that was not computed is NaN.
 
    certificates: NULL, or what shows that a matrix of a file is that of a step. scene: NULL for a matrix that was given. It then has no symbol, run, predictor, predictions, comparison, step_mismatch,
-   nullity or leading modes.
+   nullity or leading modes. cells: a lattice of such a matrix, whose symbol is then taken; else NULL.
 
    radius: the largest abs of the listed eigenvalues of the operator. growth: the same per step. symbol: NULL on layouts
    that are not uniform. symbol_mismatch: the largest distance of a listed eigenvalue from the symbol's set. at_one: the
@@ -30,25 +31,26 @@ typedef struct MpmCertificates_ MpmCertificates; /* probe/certificates.h */
 S*/
 #define MPM_UNCOUNTED -1
 typedef struct {
-  const MpmScene    *scene;
-  const MpmRequest  *request;
-  MpmCertificates   *certificates;
-  PetscMPIInt        ranks;
-  MpmOperator       *op;
-  MpmReduced        *nodal;
-  MpmEigen          *eigen;
-  MpmSymbol         *symbol;
-  MpmRun            *run;
-  MpmTransient      *transient;
-  MpmPseudospectrum *pseudospectrum;
-  MpmPredictor       predictor;
-  MpmPredictions     predictions;
-  MpmComparison      comparison;
-  PetscReal          target[2], radius, growth, max_residual, step_mismatch, symbol_mismatch, condition;
-  PetscReal          before, memory, wall_s;
-  PetscInt           at_one, nullity;
-  MpmFinding         finding;
-  MpmModes           leading;
+  const MpmScene      *scene;
+  const MpmRequest    *request;
+  const MpmBlochCells *cells;
+  MpmCertificates     *certificates;
+  PetscMPIInt          ranks;
+  MpmOperator         *op;
+  MpmReduced          *nodal;
+  MpmEigen            *eigen;
+  MpmSymbol           *symbol;
+  MpmRun              *run;
+  MpmTransient        *transient;
+  MpmPseudospectrum   *pseudospectrum;
+  MpmPredictor         predictor;
+  MpmPredictions       predictions;
+  MpmComparison        comparison;
+  PetscReal            target[2], radius, growth, max_residual, step_mismatch, symbol_mismatch, condition;
+  PetscReal            before, memory, wall_s;
+  PetscInt             at_one, nullity;
+  MpmFinding           finding;
+  MpmModes             leading;
 } MpmSpectrum;
 
 /*
@@ -63,8 +65,9 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
 /*
    MpmSpectrumOfMatrix - solves for the eigenvalues of a matrix that covers so many steps, wherever it comes from.
 
-   Collective on PETSC_COMM_WORLD, with SLEPc initialized. what: the matrix, for messages.
+   Collective on PETSC_COMM_WORLD, with SLEPc initialized. what: the matrix, for messages. cells: NULL, or its lattice: then the
+   symbol says which eigenvalues are sought, and decides.
 */
-PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, const MpmRequest *request,
-                                   PetscReal started, MpmSpectrum **spectrum);
+PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, const MpmBlochCells *cells,
+                                   const MpmRequest *request, PetscReal started, MpmSpectrum **spectrum);
 PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum);

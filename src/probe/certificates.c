@@ -22,7 +22,6 @@
 #define LASTS 10            /* times what noise makes of a response, its change is none */
 #define ANOTHER 0.01        /* a code whose answers change by more may be another one than it was */
 #define NORM_STEPS 20       /* of the power method */
-#define AT_REST 1e-9        /* a change of the base state per application, in scales, that is rounding */
 #define AT_REST_SINGLE 1e-5 /* of floats */
 
 const char *const MpmCertificateNames[] = {"repeat",      "two steps", "two sizes", "additivity", "one side",
@@ -111,6 +110,7 @@ void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates
   c->noise     = 0;
   c->cells     = 1;
   c->nfields   = 0;
+  c->kinked    = 0;
   for (int i = 0; i < MPM_CERTIFICATES; i++) {
     c->value[i] = NAN;
     c->bound[i] = tolerance;
@@ -119,7 +119,7 @@ void MpmCertificatesBegin(PetscBool single, PetscReal tolerance, MpmCertificates
   c->bound[MPM_CERTIFY_ADDITIVITY] = SWITCHES;
   c->bound[MPM_CERTIFY_ONE_SIDED] = c->bound[MPM_CERTIFY_COLUMNS] = single ? KINKS_SINGLE : KINKS;
   c->bound[MPM_CERTIFY_SCALES]                                    = 1;
-  c->bound[MPM_CERTIFY_EQUILIBRIUM]                               = single ? AT_REST_SINGLE : AT_REST;
+  c->bound[MPM_CERTIFY_EQUILIBRIUM]                               = single ? AT_REST_SINGLE : MPM_AT_REST;
   c->bound[MPM_CERTIFY_SIZES] = c->bound[MPM_CERTIFY_COMPOSED] = (single ? SPREAD_SINGLE : SPREAD) * tolerance;
 }
 
@@ -269,8 +269,14 @@ static PetscErrorCode OneSided(MpmProbe *p, PetscReal size, MpmCertificates *c)
     }
   }
   c->value[MPM_CERTIFY_ONE_SIDED] = 0;
-  for (PetscInt64 i = 0; i < n && largest > 0; i++)
-    Most(c, MPM_CERTIFY_ONE_SIDED, i, (PetscAbsReal(kink[i]) - Rounding(p, i, size)) / largest);
+  for (PetscInt64 i = 0, last = -1; i < n && largest > 0; i++) {
+    const PetscReal beyond = (PetscAbsReal(kink[i]) - Rounding(p, i, size)) / largest;
+
+    Most(c, MPM_CERTIFY_ONE_SIDED, i, beyond);
+    if (beyond <= c->bound[MPM_CERTIFY_ONE_SIDED] || last == i / p->stepper->width) continue;
+    last = i / p->stepper->width;
+    c->kinked++;
+  }
   PetscCall(PetscFree4(amount, forward, central, kink));
   PetscCall(PetscFree(unknown));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -341,11 +347,11 @@ PetscErrorCode MpmCertifyStep(MpmProbe *p, PetscReal tolerance, const PetscBool 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const MpmBlocks *one, const MpmBlocks *kept,
-                                const MpmBlocks *other, const PetscBool apart[], MpmCertificates *c)
+PetscErrorCode MpmCertifyBlockColumns(MpmProbe *p, const MpmProbeLattice *l, const MpmBlocks *blocks,
+                                      const PetscBool apart[], PetscReal *differ)
 {
   const PetscInt64 n = p->stepper->particles * p->stepper->width;
-  PetscReal       *amount, *response, differ;
+  PetscReal       *amount, *response, found;
   PetscInt         compared;
 
   PetscFunctionBegin;
@@ -353,11 +359,19 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const Mpm
   p->apart = apart;
   PetscCall(RespondToAll(p, amount, response));
   p->apart = NULL;
-  MpmProbeBlocksCompare(p, l, one, amount, response, apart, &differ, &compared);
+  MpmProbeBlocksCompare(p, l, blocks, amount, response, apart, &found, &compared);
+  if (compared) *differ = found;
+  PetscCall(PetscFree2(amount, response));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCertifyBlocks(MpmProbe *p, const MpmProbeLattice *l, const MpmBlocks *one, const MpmBlocks *kept,
+                                const MpmBlocks *other, const PetscBool apart[], MpmCertificates *c)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmCertifyBlockColumns(p, l, one, apart, &c->value[MPM_CERTIFY_COLUMNS]));
   PetscCall(MpmProbeBlocksDistance(kept, other, &c->value[MPM_CERTIFY_SIZES]));
   c->cells = p->stepper->particles / l->sites;
-  if (compared) c->value[MPM_CERTIFY_COLUMNS] = differ;
-  PetscCall(PetscFree2(amount, response));
   PetscCall(Share(c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -386,13 +400,11 @@ static PetscErrorCode Norm2(Mat E, PetscReal *norm)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
-                                const PetscBool apart[], MpmCertificates *c)
+PetscErrorCode MpmCertifyColumns(MpmProbe *p, Mat A, const PetscBool apart[], PetscReal *differ, PetscInt64 *most)
 {
   const PetscInt64 n = p->stepper->particles * p->stepper->width;
-  PetscReal       *amount, *response, differ, largest = 0;
+  PetscReal       *amount, *response, largest = 0, *value[2];
   PetscInt         first, last, at;
-  Mat              E;
   Vec              x, y;
 
   PetscFunctionBegin;
@@ -400,27 +412,33 @@ PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat
   p->apart = apart;
   PetscCall(RespondToAll(p, amount, response));
   p->apart = NULL;
-  PetscCall(MatCreateVecs(one, &x, &y));
+  PetscCall(MatCreateVecs(A, &x, &y));
   PetscCall(VecGetOwnershipRange(x, &first, &last));
-  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(x, i, amount[i], INSERT_VALUES));
-  PetscCall(VecAssemblyBegin(x));
-  PetscCall(VecAssemblyEnd(x));
-  PetscCall(MatMult(one, x, y));
+  PetscCall(VecGetArrayWrite(x, &value[0]));
+  PetscCall(PetscArraycpy(value[0], amount + first, last - first));
+  PetscCall(VecRestoreArrayWrite(x, &value[0]));
+  PetscCall(MatMult(A, x, y));
+  PetscCall(VecGetArray(y, &value[1]));
   for (PetscInt64 i = 0; i < n; i++) largest = PetscMax(largest, PetscAbsReal(response[i]));
-  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(y, i, -response[i], ADD_VALUES));
-  PetscCall(VecAssemblyBegin(y));
-  PetscCall(VecAssemblyEnd(y));
   for (PetscInt i = first; i < last; i++)
-    if (apart[i % p->stepper->width]) PetscCall(VecSetValue(y, i, 0, INSERT_VALUES));
-  PetscCall(VecAssemblyBegin(y));
-  PetscCall(VecAssemblyEnd(y));
-  PetscCall(VecAbs(y));
-  PetscCall(VecMax(y, &at, &differ));
-  c->most[MPM_CERTIFY_COLUMNS]  = at;
-  c->value[MPM_CERTIFY_COLUMNS] = largest > 0 ? differ / largest : 0;
+    value[1][i - first] = apart[i % p->stepper->width] ? 0 : PetscAbsReal(value[1][i - first] - response[i]);
+  PetscCall(VecRestoreArray(y, &value[1]));
+  PetscCall(VecMax(y, &at, differ));
+  *most   = at;
+  *differ = largest > 0 ? *differ / largest : 0;
   PetscCall(VecDestroy(&x));
   PetscCall(VecDestroy(&y));
   PetscCall(PetscFree2(amount, response));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCertifyMatrix(MpmProbe *p, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
+                                const PetscBool apart[], MpmCertificates *c)
+{
+  Mat E;
+
+  PetscFunctionBegin;
+  PetscCall(MpmCertifyColumns(p, one, apart, &c->value[MPM_CERTIFY_COLUMNS], &c->most[MPM_CERTIFY_COLUMNS]));
   PetscCall(MatDuplicate(kept, MAT_COPY_VALUES, &E));
   PetscCall(MatAXPY(E, -1, other, DIFFERENT_NONZERO_PATTERN));
   PetscCall(Norm2(E, &c->value[MPM_CERTIFY_SIZES]));

@@ -57,18 +57,19 @@ typedef struct {
    MpmCertificates - value[c] and bound[c] of each certificate; a value that was not taken is NaN. tolerance: the error of
    the operator that does not matter. most[c]: the unknown that shows it most, or MPM_NONE. cells: in so many cells may be
    felt what is felt too far away. single: the code computes in single precision; noise: what two responses differ by because answers have an error that
-   does not get smaller with perturbations, as that of rounding or of a solver's tolerance. field: the scales that errors are relative to, nfields of them; none are known of a file
+   does not get smaller with perturbations, as that of rounding or of a solver's tolerance. kinked: particles at which one side fails. field: the scales that errors are relative to, nfields of them; none are known of a file
    without.
 S*/
 typedef struct MpmCertificates_ {
   PetscReal     value[MPM_CERTIFICATES], bound[MPM_CERTIFICATES], tolerance;
-  PetscInt64    most[MPM_CERTIFICATES], cells;
+  PetscInt64    most[MPM_CERTIFICATES], cells, kinked;
   PetscBool     single;
   PetscReal     noise;
   PetscInt      nfields;
   MpmFieldScale field[MPM_STEPPER_FIELDS];
 } MpmCertificates;
 
+#define MPM_AT_REST 1e-9          /* a change of the base state per application, in scales, that is rounding */
 #define MPM_TOLERANCE_SINGLE 1e-5 /* of a verdict: what single precision can tell */
 
 /* Not collective. Sets the bounds; no certificate is taken. */
@@ -92,6 +93,8 @@ const char    *MpmCertificatesCure(const MpmCertificates *certificates);
    where they are.
    MpmCertifyMatrix - does the same for a matrix, with its reach.
    MpmCertifyRepeat - adds repeat, when all others are taken.
+   MpmCertifyColumns, MpmCertifyBlockColumns - the number of columns alone, and the unknown that shows it most. The second leaves it
+   as it is where no cell is inside.
 
    What is set apart does not count, because no eigenvalue that is judged feels its error: apart[c] says whether number c of
    a particle is; kept and other are without it, one is with it.
@@ -105,6 +108,9 @@ PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice,
                                 MpmCertificates *certificates);
 PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
                                 const PetscBool apart[], MpmCertificates *certificates);
+PetscErrorCode MpmCertifyColumns(MpmProbe *probe, Mat A, const PetscBool apart[], PetscReal *differ, PetscInt64 *most);
+PetscErrorCode MpmCertifyBlockColumns(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmBlocks *blocks,
+                                      const PetscBool apart[], PetscReal *differ);
 PetscErrorCode MpmCertifyRepeat(MpmProbe *probe, const PetscBool apart[], MpmCertificates *certificates);
 
 /*

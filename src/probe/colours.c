@@ -4,7 +4,6 @@
    reach was taken too short.
 */
 #include "probe/colours.h"
-#include "base/progress.h"
 #include "probe/columns.h"
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -237,74 +236,74 @@ static void SplitColour(const Colouring *c, PetscInt colour, PetscInt group[], P
   }
 }
 
-/* Room for the columns of a colour. amount has for each particle what its unknown was perturbed by. */
+/* by: for each particle what its unknown of a colour was perturbed by. seen: the largest leak, and response. */
 typedef struct {
-  PetscInt64 *unknown;
-  PetscReal  *amount, *by, *response, largest;
-} Room;
+  Colouring *colouring;
+  PetscReal  size, *by, seen[2];
+  Mat        A;
+} Columns;
 
-static PetscErrorCode Colour(Colouring *c, PetscInt colour, PetscReal size, Room *r, Mat A, PetscReal *leaks)
+static PetscErrorCode Perturb(void *context, PetscInt colour, MpmPerturbation *d)
 {
-  MpmProbe         *p = c->probe;
-  const MpmStepper *s = p->stepper;
+  const Columns    *columns = context;
+  const Colouring  *c       = columns->colouring;
+  const MpmStepper *s       = c->probe->stepper;
   PetscInt          group[MPM_MAX_DIM], slot, number;
-  PetscInt64        n = 0;
 
   PetscFunctionBegin;
   SplitColour(c, colour, group, &slot, &number);
-  for (PetscInt64 i = 0; i < s->particles; i++) {
+  for (PetscInt64 i = 0; i < s->particles && !MpmProbeIsApart(c->probe, number); i++) {
     PetscBool in = c->slot[i] == slot ? PETSC_TRUE : PETSC_FALSE;
 
     for (PetscInt a = 0; a < c->dim && in; a++)
       if (Group(c, c->cell[i * c->dim + a], a) != group[a]) in = PETSC_FALSE;
     if (!in) continue;
-    r->unknown[n]  = i * s->width + number;
-    r->amount[n++] = size;
+    d->unknown[d->n]  = i * s->width + number;
+    d->amount[d->n++] = columns->size;
   }
-  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, r->unknown, r->amount, r->response));
-  for (PetscInt64 k = 0; k < n; k++) r->by[r->unknown[k] / s->width] = r->amount[k];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Take(void *context, PetscInt colour, const MpmPerturbation *d)
+{
+  Columns          *columns = context;
+  const Colouring  *c       = columns->colouring;
+  const MpmStepper *s       = c->probe->stepper;
+  PetscInt          group[MPM_MAX_DIM], slot, number;
+
+  PetscFunctionBegin;
+  SplitColour(c, colour, group, &slot, &number);
+  for (PetscInt64 k = 0; k < d->n; k++) columns->by[d->unknown[k] / s->width] = d->amount[k];
   for (PetscInt64 i = 0; i < s->particles; i++) {
     const PetscInt64 source = Source(c, group, slot, i);
 
     for (PetscInt j = 0; j < s->width; j++) {
-      const PetscReal felt = r->response[i * s->width + j];
+      const PetscReal felt = d->response[i * s->width + j];
       const PetscInt  row = (PetscInt)(i * s->width + j), column = (PetscInt)(source * s->width + number);
 
-      r->largest = PetscMax(r->largest, PetscAbsReal(felt));
+      columns->seen[1] = PetscMax(columns->seen[1], PetscAbsReal(felt));
       if (source < 0)
-        *leaks = PetscMax(*leaks, PetscAbsReal(felt));
+        columns->seen[0] = PetscMax(columns->seen[0], PetscAbsReal(felt));
       else if (felt != 0)
-        PetscCall(MatSetValue(A, row, column, felt / r->by[source], INSERT_VALUES));
+        PetscCall(MatSetValue(columns->A, row, column, felt / columns->by[source], INSERT_VALUES));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Columns(Colouring *c, PetscReal size, MpmProbeColours *colours, Mat A)
+static PetscErrorCode Probe(Colouring *c, PetscReal size, MpmProbeColours *colours, Mat A)
 {
   const MpmStepper *s       = c->probe->stepper;
-  PetscReal         seen[2] = {0, 0};
-  MpmProgress       progress;
-  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD), rank = MpmRankOf(PETSC_COMM_WORLD);
-  Room              r = {.largest = 0};
+  Columns           columns = {.colouring = c, .size = size, .A = A};
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc4(s->particles, &r.unknown, s->particles, &r.amount, s->particles, &r.by,
-                         s->particles * s->width, &r.response));
-  PetscCall(MpmProgressBegin("colours probed", &progress));
-  for (PetscInt colour = rank; colour < colours->colours; colour += ranks) {
-    PetscCall(Colour(c, colour, size, &r, A, &seen[0]));
-    PetscCall(MpmProgressUpdate(&progress, colour + 1, colours->colours));
-  }
-  PetscCall(MpmProgressEnd(&progress));
-  PetscCall(PetscFree4(r.unknown, r.amount, r.by, r.response));
-  PetscCall(MpmStepperAgree(c->probe->stepper));
+  PetscCall(PetscMalloc1(s->particles, &columns.by));
+  PetscCall(MpmProbeEach(c->probe, colours->colours, s->particles, Perturb, Take, &columns));
+  PetscCall(PetscFree(columns.by));
   PetscCall(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
-  seen[1] = r.largest;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seen, 2, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
-  colours->leaks = seen[1] > 0 ? seen[0] / seen[1] : 0;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, columns.seen, 2, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  colours->leaks = columns.seen[1] > 0 ? columns.seen[0] / columns.seen[1] : 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -321,8 +320,8 @@ PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, MpmProbeColours *colo
   do {
     Strides(&c, colours);
     PetscCall(MatDestroy(A));
-    PetscCall(MpmProbeNewMatrix(p->stepper, PETSC_FALSE, A));
-    PetscCall(Columns(&c, size, colours, *A));
+    PetscCall(MpmProbeNewMatrix(p->stepper, p->stepper->width, 0, A));
+    PetscCall(Probe(&c, size, colours, *A));
     grows = PETSC_FALSE;
     for (PetscInt a = 0; a < c.dim; a++) {
       if (colours->leaks <= FELT || 2 * c.reach[a] + 1 >= c.cells[a]) continue;

@@ -1,39 +1,40 @@
 /* All columns one by one, and the operator as a shell. */
 #include "probe/columns.h"
 #include "base/hash.h"
-#include "base/progress.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 
 #define VECTORS 4 /* random ones, for a norm */
 
 /* The rows of a rank are whole particles. */
-static PetscInt LocalRows(const MpmStepper *s)
+static PetscInt LocalRows(const MpmStepper *s, PetscInt width)
 {
   const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD), rank = MpmRankOf(PETSC_COMM_WORLD);
 
-  return (PetscInt)(s->particles * (rank + 1) / ranks - s->particles * rank / ranks) * s->width;
+  return (PetscInt)(s->particles * (rank + 1) / ranks - s->particles * rank / ranks) * width;
 }
 
-PetscErrorCode MpmProbeNewMatrix(const MpmStepper *s, PetscBool dense, Mat *A)
+PetscErrorCode MpmProbeNewMatrix(const MpmStepper *s, PetscInt width, PetscInt most, Mat *A)
 {
-  const PetscInt rows = LocalRows(s), all = (PetscInt)s->particles * s->width;
+  const PetscInt rows = LocalRows(s, width), all = (PetscInt)s->particles * width;
 
   PetscFunctionBegin;
-  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, rows, rows, all, all, dense ? rows : PETSC_DEFAULT, NULL,
-                         dense ? all - rows : PETSC_DEFAULT, NULL, A));
-  PetscCall(MatSetOption(*A, dense ? MAT_IGNORE_ZERO_ENTRIES : MAT_NEW_NONZERO_ALLOCATION_ERR, dense));
+  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, rows, rows, all, all, most ? PetscMin(most, rows) : PETSC_DEFAULT, NULL,
+                         most ? PetscMin(most, all - rows) : PETSC_DEFAULT, NULL, A));
+  PetscCall(MatSetOption(*A, most ? MAT_IGNORE_ZERO_ENTRIES : MAT_NEW_NONZERO_ALLOCATION_ERR,
+                         most ? PETSC_TRUE : PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- columns ---- */
 
-/* Puts a 0 where the diagonal has nothing, which solvers need. */
-static PetscErrorCode FillDiagonal(Mat A)
+PetscErrorCode MpmProbeFillDiagonal(Mat A)
 {
   PetscInt first, last;
 
   PetscFunctionBegin;
+  PetscCall(MatAssemblyBegin(A, MAT_FLUSH_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(A, MAT_FLUSH_ASSEMBLY));
   PetscCall(MatSetOption(A, MAT_IGNORE_ZERO_ENTRIES, PETSC_FALSE));
   PetscCall(MatGetOwnershipRange(A, &first, &last));
   for (PetscInt i = first; i < last; i++) PetscCall(MatSetValue(A, i, i, 0, ADD_VALUES));
@@ -42,34 +43,48 @@ static PetscErrorCode FillDiagonal(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmProbeColumns(MpmProbe *p, PetscReal size, Mat *A)
+typedef struct {
+  const MpmProbe *probe;
+  PetscReal       size;
+  PetscInt       *rows;
+  Mat             A;
+} Columns;
+
+static PetscErrorCode Perturb(void *context, PetscInt j, MpmPerturbation *d)
 {
-  const PetscInt    n = (PetscInt)p->stepper->particles * p->stepper->width;
-  PetscReal        *response;
-  PetscInt         *rows;
-  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD), rank = MpmRankOf(PETSC_COMM_WORLD);
-  MpmProgress       progress;
+  const Columns *c = context;
 
   PetscFunctionBegin;
-  PetscCall(MpmProbeNewMatrix(p->stepper, PETSC_TRUE, A));
-  PetscCall(PetscMalloc2(n, &response, n, &rows));
-  for (PetscInt i = 0; i < n; i++) rows[i] = i;
-  PetscCall(MpmProgressBegin("unknowns probed", &progress));
-  for (PetscInt j = rank; j < n; j += ranks) {
-    const PetscInt64 unknown = j;
-    PetscReal        amount  = size;
+  if (MpmProbeIsApart(c->probe, j % c->probe->stepper->width)) PetscFunctionReturn(PETSC_SUCCESS);
+  d->unknown[0]     = j;
+  d->amount[d->n++] = c->size;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    PetscCall(MpmProbeRespond(p, PETSC_FALSE, 1, &unknown, &amount, response));
-    for (PetscInt i = 0; i < n; i++) response[i] /= amount;
-    PetscCall(MatSetValues(*A, n, rows, 1, &j, response, ADD_VALUES));
-    PetscCall(MpmProgressUpdate(&progress, j + 1, n));
-  }
-  PetscCall(MpmProgressEnd(&progress));
-  PetscCall(PetscFree2(response, rows));
-  PetscCall(MpmStepperAgree(p->stepper));
-  PetscCall(MatAssemblyBegin(*A, MAT_FLUSH_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(*A, MAT_FLUSH_ASSEMBLY));
-  PetscCall(FillDiagonal(*A));
+static PetscErrorCode Take(void *context, PetscInt j, const MpmPerturbation *d)
+{
+  const Columns *c = context;
+  const PetscInt n = (PetscInt)c->probe->stepper->particles * c->probe->stepper->width;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++) d->response[i] /= d->amount[0];
+  PetscCall(MatSetValues(c->A, n, c->rows, 1, &j, d->response, ADD_VALUES));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProbeColumns(MpmProbe *p, PetscReal size, Mat *A)
+{
+  const PetscInt n = (PetscInt)p->stepper->particles * p->stepper->width;
+  Columns        c = {.probe = p, .size = size};
+
+  PetscFunctionBegin;
+  PetscCall(MpmProbeNewMatrix(p->stepper, p->stepper->width, n, A));
+  PetscCall(PetscMalloc1(n, &c.rows));
+  for (PetscInt i = 0; i < n; i++) c.rows[i] = i;
+  c.A = *A;
+  PetscCall(MpmProbeEach(p, n, 1, Perturb, Take, &c));
+  PetscCall(PetscFree(c.rows));
+  PetscCall(MpmProbeFillDiagonal(*A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -182,9 +197,10 @@ static PetscErrorCode Destroy(Mat A)
 
 PetscErrorCode MpmProbeShell(MpmProbe *p, PetscReal size, Mat *A)
 {
-  const PetscInt rows = LocalRows(p->stepper), n = (PetscInt)p->stepper->particles * p->stepper->width;
-  Shell         *shell;
-  Vec            x;
+  const PetscInt rows = LocalRows(p->stepper, p->stepper->width),
+                 n    = (PetscInt)p->stepper->particles * p->stepper->width;
+  Shell *shell;
+  Vec    x;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&shell));

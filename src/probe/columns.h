@@ -21,9 +21,11 @@ PetscErrorCode MpmProbeShell(MpmProbe *probe, PetscReal size, Mat *A);
 PetscErrorCode MpmProbeShellDistance(Mat one, Mat other, PetscReal *distance);
 
 /*
-   MpmProbeNewMatrix - a matrix without numbers, whose rows of a particle are on one rank. dense: with memory for all numbers;
-   those that are 0 are left out.
+   MpmProbeNewMatrix - a matrix without numbers, whose rows of a particle, width of them, are on one rank. most: numbers of a row
+   that there is memory for; those that are 0 are left out. 0: memory is found as it is needed.
+   MpmProbeFillDiagonal - ends its assembly with a 0 where the diagonal has nothing, which solvers need.
 
    Collective.
 */
-PetscErrorCode MpmProbeNewMatrix(const MpmStepper *stepper, PetscBool dense, Mat *A);
+PetscErrorCode MpmProbeNewMatrix(const MpmStepper *stepper, PetscInt width, PetscInt most, Mat *A);
+PetscErrorCode MpmProbeFillDiagonal(Mat A);

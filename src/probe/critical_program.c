@@ -1,12 +1,13 @@
 /*
-   The largest stable time step of a code. An operator is built for each step that is tried. Where the code takes any number
+   The largest stable time step of a code. Where its operator is a polynomial of the time step, it is probed at a few steps, and
+   those that are tried cost no calls; else an operator is built for each. Where the code takes any number
    of particles, a free block and a lone particle are cut from the lattice: their limits are often below the interior's.
 */
 #include "probe/critical_program.h"
 #include "analysis/onset.h"
+#include "probe/dt_polynomial.h"
 #include "probe/program_growth.h"
 #include "analysis/worst_phase.h"
-#include "base/progress.h"
 #include "linalg/dense.h"
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -18,64 +19,75 @@
 #define FARTHEST 1e3 /* times the given step, or one over it, to which the search goes: far beyond, rounding grows */
 #define FARTHEST_PART 16 /* times the interior's limit: a part that is stable there limits nothing */
 #define MOST_SITES 64    /* of a cell, at which a lone particle is looked at */
-#define TRIED 10         /* steps that a search takes, about, before it looks at BELOW others */
+#define NODES 3          /* steps at which an operator is probed, of most codes */
+#define FARTHER 3    /* times the middle of these: a limit beyond, or below one over it, is sought from itself anew */
+#define MOST_MOVES 6 /* of the middle */
+#define WAVES 16     /* phases at which a limit of all waves is sought first */
+#define ITSELF 2e-6  /* relative: so far below a limit all waves are looked at */
 
 const char *const MpmProgramLimitNames[] = {"interior", "block", "lone_particle", "state"};
 
 /*S
    Search - whose growth is asked for. part: a free block or a lone particle, which has a base state of its own; NULL: the
    program itself.
+
+   polynomial - its operator, if that is known at all time steps
+   wave       - phases of the waves whose growth is looked at; all: the largest of all waves is sought
+   given      - numbers of a particle that nothing reads in the interior
+   unit       - what the progress line counts, with the number so far
 S*/
 typedef struct {
   MpmProgram         *program, part;
   MpmStepper          cut;
-  PetscBool           is_part;
+  PetscBool           is_part, known, all, *given;
+  MpmDtPolynomial     polynomial;
+  PetscReal           wave[WAVES][MPM_MAX_DIM];
+  PetscInt            waves;
   MpmCriticalProgram *critical;
-  MpmProgress        *progress;
-  PetscInt            expected; /* time steps to try, as it is said while they are */
+  char                unit[64];
 } Search;
 
 /* ---- growth at a time step ---- */
 
-static PetscErrorCode GrowthOfBlocks(MpmProgram *p, PetscReal beta[], PetscReal *growth)
+/* The largest growth of all waves, or of those that are known to matter. */
+static PetscErrorCode GrowthOfBlocks(Search *s, const MpmProgram *p, MpmBlocks *blocks, PetscReal *growth)
 {
   static const PetscInt phases[] = {32, 16, 8};
   PetscInt              each[MPM_MAX_DIM];
-  MpmBlocks             blocks;
   MpmSource             source;
   MpmSourceGrowth       at;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgramBlocks(p, &blocks, NULL));
-  PetscCall(MpmBlocksSource(&blocks, p->stepper->name, &source));
-  for (PetscInt a = 0; a < blocks.dim; a++) each[a] = phases[blocks.dim - 1];
-  PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, each, beta, &at));
-  *growth = at.growth;
-  PetscCall(MpmBlocksFree(&blocks));
+  PetscCall(MpmBlocksSource(blocks, p->stepper->name, &source));
+  for (PetscInt a = 0; a < blocks->dim; a++) each[a] = phases[blocks->dim - 1];
+  *growth = 0;
+  if (s->all) {
+    PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, each, s->critical->beta, &at));
+    *growth = at.growth;
+  } else
+    for (PetscInt i = 0; i < s->waves; i++) {
+      PetscCall(MpmSourceGrowthAt(&source, s->wave[i], &at));
+      *growth = PetscMax(*growth, at.growth);
+    }
+  PetscCall(MpmBlocksFree(blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode GrowthOfMatrix(MpmProgram *p, PetscReal *growth)
+/* From the polynomial, without a call. */
+static PetscErrorCode GrowthKnown(Search *s, PetscReal dt, PetscReal *growth)
 {
-  const PetscReal target[2] = {0, 0};
-  PetscReal       value[2];
-  PetscInt        order;
-  MpmEigen       *eigen;
-  Mat             A;
+  const MpmDtPolynomial *f = &s->polynomial;
+  PetscReal              value[2];
+  MpmBlocks              blocks;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgramMatrix(p, &A, NULL));
-  PetscCall(MatGetSize(A, &order, NULL));
-  if (order <= MPM_DENSE_MANY) {
-    PetscCall(MpmDenseLargest(A, value));
-  } else {
-    PetscCall(MpmEigenSolve(A, NULL, MpmEigenChoose(order, PETSC_FALSE), target, &eigen));
-    value[0] = eigen->n ? eigen->re[0] : NAN;
-    value[1] = eigen->n ? eigen->im[0] : NAN;
-    PetscCall(MpmEigenDestroy(&eigen));
+  if (f->A[0]) {
+    PetscCall(MpmDtPolynomialLargest(&s->polynomial, dt, value));
+    *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, f->program->stepper->steps);
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
-  *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, p->probe.steps);
-  PetscCall(MatDestroy(&A));
+  PetscCall(MpmDtPolynomialBlocks(f, dt, &blocks));
+  PetscCall(GrowthOfBlocks(s, f->program, &blocks, growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -84,23 +96,28 @@ static PetscErrorCode Excess(void *context, PetscReal dt, PetscReal *excess)
 {
   Search     *s = context;
   MpmProgram *p = s->is_part ? &s->part : s->program;
+  MpmBlocks   blocks;
   PetscReal   growth;
 
   PetscFunctionBegin;
-  PetscCall(MpmStepperSet(p->stepper, s->critical->name, dt));
-  PetscCall(MpmProgramPrepare(p));
-  if (p->kind == MPM_PROBE_BLOCH)
-    PetscCall(GrowthOfBlocks(p, s->critical->beta, &growth));
-  else
-    PetscCall(GrowthOfMatrix(p, &growth));
+  if (s->known) {
+    PetscCall(GrowthKnown(s, dt, &growth));
+  } else {
+    PetscCall(MpmStepperSet(p->stepper, s->critical->name, dt));
+    PetscCall(MpmProgramPrepare(p));
+    if (p->kind == MPM_PROBE_BLOCH) {
+      PetscCall(MpmProgramBlocks(p, &blocks, NULL));
+      PetscCall(GrowthOfBlocks(s, p, &blocks, &growth));
+    } else
+      PetscCall(MpmProgramGrowth(p, &growth));
+    PetscCall(MpmProgramForget(p));
+    s->critical->probes++;
+  }
   *excess = growth - 1;
-  PetscCall(MpmProgramForget(p));
-  s->critical->probes++;
-  PetscCall(MpmProgressUpdate(s->progress, s->critical->probes, PetscMax(s->expected, s->critical->probes + 1)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode FindLimit(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
+static PetscErrorCode Onset(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
 {
   const PetscBool beside = s->is_part && start == s->critical->limit[MPM_LIMIT_INTERIOR] ? PETSC_TRUE : PETSC_FALSE;
   const MpmOnset  onset  = {.excess    = Excess,
@@ -115,85 +132,80 @@ static PetscErrorCode FindLimit(Search *s, PetscReal start, PetscInt below, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- parts of the lattice ---- */
-
-/* Cuts particles out of the base state: those of a block in the middle, or the one of a site. */
-static PetscErrorCode Cut(Search *s, PetscInt site)
+/*
+   The limit of all waves. It is sought for a few of them; where another one grows at it or below, that one is taken, too, and the limit is
+   sought again.
+*/
+static PetscErrorCode OnsetOfWaves(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
 {
-  const MpmProgram      *p  = s->program;
-  const MpmProbeLattice *l  = &p->lattice;
-  const MpmStepper      *of = p->stepper;
-  const PetscInt         w = of->width, middle = MpmProbeLatticeMiddle(l), block = s->critical->block;
+  const PetscInt dim  = s->program->stepper->dim;
+  PetscBool      more = PETSC_TRUE;
 
   PetscFunctionBegin;
-  s->cut           = *of;
-  s->cut.cell      = NULL;
-  s->cut.particles = 0;
-  PetscCall(PetscMalloc1(of->particles * w, &s->cut.base));
-  for (PetscInt64 i = 0; i < of->particles; i++) {
-    PetscInt  cell = l->cell_of[i];
-    PetscBool in   = site == MPM_NONE || (cell == middle && l->site_of[i] == site) ? PETSC_TRUE : PETSC_FALSE;
+  s->waves = 1 << dim;
+  for (PetscInt i = 0; i < s->waves; i++)
+    for (PetscInt a = 0; a < dim; a++) s->wave[i][a] = i >> a & 1 ? PETSC_PI : 0;
+  while (more) {
+    more   = PETSC_FALSE;
+    s->all = s->waves == WAVES ? PETSC_TRUE : PETSC_FALSE;
+    PetscCall(Onset(s, start, s->all ? below : 0, limit));
+    if (s->all || !(*limit > 0) || !isfinite(*limit)) break;
+    s->all = PETSC_TRUE;
+    for (PetscInt i = below + 1; i > 0 && !more; i--) {
+      PetscReal excess;
 
-    for (PetscInt a = 0; a < of->dim; a++) {
-      const PetscInt at = cell % l->cells[a] - l->cells[a] / 2 + block / 2;
-
-      if (at < 0 || at >= block) in = PETSC_FALSE;
-      cell /= l->cells[a];
+      PetscCall(Excess(s, *limit * (i > below ? 1 - ITSELF : (PetscReal)i / (PetscReal)(below + 1)), &excess));
+      more = excess > s->program->tolerance ? PETSC_TRUE : PETSC_FALSE;
     }
-    if (in) PetscCall(PetscArraycpy(s->cut.base + s->cut.particles++ * w, of->base + i * w, w));
+    if (more) PetscCall(PetscArraycpy(s->wave[s->waves++], s->critical->beta, MPM_MAX_DIM));
   }
-  s->part    = (MpmProgram){.request = p->request, .stepper = &s->cut, .whole = PETSC_TRUE, .alike = &p->probe};
-  s->is_part = PETSC_TRUE;
+  s->all = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Mend(Search *s)
+/*
+   By the polynomial, which is probed around a time step that is near the limit, and must hold at the limit and at half of it. found:
+   whether it does.
+*/
+static PetscErrorCode FindKnown(Search *s, PetscReal start, PetscInt below, PetscReal *limit, PetscBool *found)
 {
+  MpmProgram *p      = s->is_part ? &s->part : s->program;
+  PetscReal   centre = start;
+
   PetscFunctionBegin;
-  s->program->stepper->calls = s->cut.calls;
-  PetscCall(PetscFree(s->cut.base));
-  s->is_part = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+  *found = PETSC_FALSE;
+  for (int move = 0; move < MOST_MOVES; move++) {
+    PetscBool fits;
 
-/* The least limit of a lone particle. A site that is stable at the limit of those before it has no lower one. */
-static PetscErrorCode LimitOfLone(Search *s, PetscReal start, PetscReal *limit)
-{
-  PetscFunctionBegin;
-  *limit = NAN;
-  for (PetscInt site = 0; site < PetscMin(s->program->lattice.sites, MOST_SITES); site++) {
-    PetscReal excess = INFINITY;
-
-    PetscCall(Cut(s, site));
-    if (site > 0 && *limit > 0 && isfinite(*limit)) PetscCall(Excess(s, *limit, &excess));
-    if (!(excess <= s->program->tolerance)) {
-      PetscReal found;
-
-      PetscCall(FindLimit(s, start, BELOW_PART, &found));
-      if (!(found >= *limit)) s->critical->site = site;
-      *limit = site > 0 ? PetscMin(*limit, found) : found;
+    PetscCall(MpmDtPolynomialDestroy(&s->polynomial));
+    s->polynomial = (MpmDtPolynomial){.name = s->critical->name, .given = s->is_part ? s->given : NULL};
+    PetscCall(MpmDtPolynomialFind(p, centre, &s->polynomial, &fits));
+    s->critical->probes += s->polynomial.n;
+    if (!fits) break;
+    s->known = PETSC_TRUE;
+    PetscCall(s->polynomial.A[0] ? Onset(s, start, below, limit) : OnsetOfWaves(s, start, below, limit));
+    s->known = PETSC_FALSE;
+    if (!(*limit > 0) || !isfinite(*limit)) break;
+    if (*limit <= FARTHER * centre && *limit >= centre / FARTHER) {
+      PetscCall(MpmDtPolynomialHolds(&s->polynomial, *limit, found));
+      if (*found) PetscCall(MpmDtPolynomialHolds(&s->polynomial, *limit / 2, found));
+      break;
     }
-    PetscCall(Mend(s));
+    centre = *limit;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The lattice is looked at again, since the search has forgotten it. */
-static PetscErrorCode Parts(Search *s, PetscReal start)
+static PetscErrorCode FindLimit(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
 {
-  MpmCriticalProgram *c = s->critical;
-  MpmProgram         *p = s->program;
+  PetscBool found;
 
   PetscFunctionBegin;
-  PetscCall(MpmStepperSet(p->stepper, c->name, c->given));
-  PetscCall(MpmProgramPrepare(p));
-  if (c->block) {
-    PetscCall(Cut(s, MPM_NONE));
-    PetscCall(FindLimit(s, start, BELOW_PART, &c->limit[MPM_LIMIT_BLOCK]));
-    PetscCall(Mend(s));
+  PetscCall(FindKnown(s, start, below, limit, &found));
+  if (!found) {
+    PetscCall(MpmDtPolynomialDestroy(&s->polynomial));
+    PetscCall(Onset(s, start, below, limit));
   }
-  PetscCall(LimitOfLone(s, start, &c->limit[MPM_LIMIT_LONE]));
-  PetscCall(MpmProgramForget(p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -236,6 +248,39 @@ static PetscErrorCode LookAbove(MpmProgram *p, PetscReal started, PetscReal limi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The same by the polynomial of the search. */
+static PetscErrorCode LookAboveKnown(Search *s, PetscReal started, PetscReal limit)
+{
+  MpmCriticalProgram *c     = s->critical;
+  MpmProgram         *p     = s->is_part ? &s->part : s->program;
+  const MpmProbe     *alike = p->alike;
+  MpmSpectrum        *spectrum;
+  Mat                 A;
+
+  PetscFunctionBegin;
+  if (!(limit > 0) || !isfinite(limit)) PetscFunctionReturn(PETSC_SUCCESS);
+  p->alike = NULL;
+  if (!s->polynomial.n) {
+    PetscCall(LookAbove(p, started, limit, c));
+  } else {
+    PetscCall(MpmStepperSet(p->stepper, c->name, limit * (1 + BESIDE)));
+    PetscCall(MpmProgramPrepare(p));
+    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, s->polynomial.unread.apart, &p->certificates));
+    PetscCall(MpmCertifyRepeat(&p->probe, s->polynomial.unread.apart, &p->certificates));
+    if (!c->why) c->why = Fault(p);
+    PetscCall(MpmDtPolynomialMatrix(&s->polynomial, limit * (1 + BESIDE), &A));
+    PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, NULL, p->request, started, &spectrum));
+    p->unread = s->polynomial.unread;
+    PetscCall(MpmCarriersFind(p, spectrum, &c->carriers));
+    p->unread = (MpmUnread){.n = 0};
+    PetscCall(MpmSpectrumDestroy(&spectrum));
+    PetscCall(MatDestroy(&A));
+    PetscCall(MpmProgramForget(p));
+  }
+  p->alike = alike;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The kind with the least limit, MPM_NONE if none was found. */
 static PetscInt Least(const MpmCriticalProgram *c)
 {
@@ -246,28 +291,121 @@ static PetscInt Least(const MpmCriticalProgram *c)
   return least;
 }
 
-/* Looks at the limits' modes: the interior's wave, and the particles of what limits most. Then the given step is judged. */
+/* The progress line has the least limit so far. */
+static void Say(Search *s)
+{
+  const PetscInt least = Least(s->critical);
+
+  if (least != MPM_NONE && isfinite(s->critical->limit[least]))
+    (void)snprintf(s->unit, sizeof s->unit, "%s up to %.6g so far; calls", s->critical->name,
+                   (double)s->critical->limit[least]);
+}
+
+/* ---- parts of the lattice ---- */
+
+/* Cuts particles out of the base state: those of a block in the middle, or the one of a site. */
+static PetscErrorCode Cut(Search *s, PetscInt site)
+{
+  const MpmProgram      *p  = s->program;
+  const MpmProbeLattice *l  = &p->lattice;
+  const MpmStepper      *of = p->stepper;
+  const PetscInt         w = of->width, middle = MpmProbeLatticeMiddle(l), block = s->critical->block;
+
+  PetscFunctionBegin;
+  s->cut           = *of;
+  s->cut.cell      = NULL;
+  s->cut.particles = 0;
+  PetscCall(PetscMalloc1(of->particles * w, &s->cut.base));
+  for (PetscInt64 i = 0; i < of->particles; i++) {
+    PetscInt  cell = l->cell_of[i];
+    PetscBool in   = site == MPM_NONE || (cell == middle && l->site_of[i] == site) ? PETSC_TRUE : PETSC_FALSE;
+
+    for (PetscInt a = 0; a < of->dim; a++) {
+      const PetscInt at = cell % l->cells[a] - l->cells[a] / 2 + block / 2;
+
+      if (at < 0 || at >= block) in = PETSC_FALSE;
+      cell /= l->cells[a];
+    }
+    if (in) PetscCall(PetscArraycpy(s->cut.base + s->cut.particles++ * w, of->base + i * w, w));
+  }
+  s->part    = (MpmProgram){.request = p->request, .stepper = &s->cut, .whole = PETSC_TRUE, .alike = &p->probe};
+  s->is_part = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Mend(Search *s)
+{
+  PetscFunctionBegin;
+  s->program->stepper->calls    = s->cut.calls;
+  s->program->stepper->done     = s->cut.done;
+  s->program->stepper->slowest  = s->cut.slowest;
+  s->program->stepper->progress = s->cut.progress;
+  PetscCall(PetscFree(s->cut.base));
+  s->is_part = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The least limit of a lone particle. A site that is stable at the limit of those before it has no lower one. */
+static PetscErrorCode LimitOfLone(Search *s, PetscReal started, PetscReal start, PetscReal *limit)
+{
+  PetscFunctionBegin;
+  *limit = NAN;
+  for (PetscInt site = 0; site < PetscMin(s->program->lattice.sites, MOST_SITES); site++) {
+    PetscReal excess = INFINITY;
+
+    PetscCall(Cut(s, site));
+    if (site > 0 && *limit > 0 && isfinite(*limit)) PetscCall(Excess(s, *limit, &excess));
+    if (!(excess <= s->program->tolerance)) {
+      PetscReal found;
+
+      PetscCall(FindLimit(s, start, BELOW_PART, &found));
+      if (!(found >= *limit)) s->critical->site = site;
+      if (found < s->critical->limit[MPM_LIMIT_INTERIOR] && !(found >= *limit))
+        PetscCall(LookAboveKnown(s, started, found));
+      *limit = site > 0 ? PetscMin(*limit, found) : found;
+    }
+    PetscCall(Mend(s));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The lattice is looked at again, since the search has forgotten it. */
+static PetscErrorCode Parts(Search *s, PetscReal started, PetscReal start)
+{
+  MpmCriticalProgram *c = s->critical;
+  MpmProgram         *p = s->program;
+
+  PetscFunctionBegin;
+  PetscCall(MpmStepperSet(p->stepper, c->name, c->given));
+  PetscCall(MpmProgramPrepare(p));
+  PetscCall(LimitOfLone(s, started, start, &c->limit[MPM_LIMIT_LONE]));
+  Say(s);
+  if (c->block) {
+    PetscCall(Cut(s, MPM_NONE));
+    PetscCall(FindLimit(s, start, BELOW_PART, &c->limit[MPM_LIMIT_BLOCK]));
+    if (Least(c) == MPM_LIMIT_BLOCK) PetscCall(LookAboveKnown(s, started, c->limit[MPM_LIMIT_BLOCK]));
+    PetscCall(Mend(s));
+  }
+  PetscCall(MpmProgramForget(p));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Looks at the mode of the interior, or of the state. Then the given step is judged. */
 static PetscErrorCode Finish(Search *s, PetscReal started, PetscReal limit)
 {
   MpmCriticalProgram *c     = s->critical;
   MpmProgram         *p     = s->program;
   const PetscInt      least = Least(c);
   PetscReal           beta[MPM_MAX_DIM];
-  MpmCarriers         carriers;
+  MpmCarriers         carriers = c->carriers;
 
   PetscFunctionBegin;
-  PetscCall(LookAbove(p, started, limit, c));
+  if (isnan(c->limit[MPM_LIMIT_STATE]))
+    PetscCall(LookAbove(p, started, limit, c));
+  else
+    PetscCall(LookAboveKnown(s, started, limit));
   PetscCall(PetscArraycpy(beta, c->beta, MPM_MAX_DIM));
-  if (least == MPM_LIMIT_BLOCK || least == MPM_LIMIT_LONE) {
-    PetscCall(MpmStepperSet(p->stepper, c->name, c->given));
-    PetscCall(MpmProgramPrepare(p));
-    PetscCall(Cut(s, least == MPM_LIMIT_LONE ? c->site : MPM_NONE));
-    s->part.alike = NULL;
-    PetscCall(LookAbove(&s->part, started, c->limit[least], c));
-    PetscCall(Mend(s));
-    PetscCall(MpmProgramForget(p));
-  }
-  carriers = c->carriers;
+  if (!isnan(c->limit[MPM_LIMIT_STATE])) carriers = c->carriers;
   PetscCall(JudgeAt(p, started, c->given, c, &c->finding));
   PetscCall(PetscArraycpy(c->beta, beta, MPM_MAX_DIM));
   c->carriers = carriers;
@@ -296,15 +434,15 @@ static PetscInt BlockOf(const MpmProgram *p)
   return 0;
 }
 
-/* The calls that the search is going to take, about. */
+/* The calls that the search is going to take, about, of a code that is a polynomial; and that two judgements take. */
 static PetscInt64 Expected(const MpmProgram *p, const MpmCriticalProgram *c)
 {
-  PetscInt64 calls = (TRIED + BELOW + 4) * (2 * (PetscInt64)p->columns + 3), block = p->lattice.sites;
+  PetscInt64 calls = 2 * NODES * (PetscInt64)p->columns + 8 * (PetscInt64)p->columns + 250, block = p->lattice.sites;
 
   if (p->kind != MPM_PROBE_BLOCH || !p->stepper->any_count) return calls;
   for (PetscInt a = 0; a < p->stepper->dim; a++) block *= c->block;
-  calls += (TRIED + BELOW_PART) * (2 * block * p->stepper->width + 5);
-  return calls + (TRIED + BELOW_PART + p->lattice.sites) * (2 * (PetscInt64)p->stepper->width + 5);
+  calls += 2 * NODES * block * p->stepper->width + 150;
+  return calls + p->lattice.sites * (2 * (NODES + 1) * (PetscInt64)p->stepper->width + 80);
 }
 
 PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
@@ -339,20 +477,23 @@ PetscErrorCode MpmCriticalProgramFind(MpmProgram *p, PetscReal started, MpmCriti
 {
   const PetscBool bloch = p->kind == MPM_PROBE_BLOCH ? PETSC_TRUE : PETSC_FALSE;
   MpmProbe        sizes = p->probe;
-  MpmProgress     progress;
-  const PetscInt  limits = bloch && p->stepper->any_count ? MPM_LIMIT_LONE - MPM_LIMIT_INTERIOR + 1 : 1;
-  Search          s = {.program = p, .critical = c, .progress = &progress, .expected = (TRIED + BELOW + 5) * limits};
-  PetscReal       limit;
+  Search          s     = {.program = p, .critical = c, .all = PETSC_TRUE, .unit = "calls"};
+  PetscReal      *limit = &c->limit[bloch ? MPM_LIMIT_INTERIOR : MPM_LIMIT_STATE];
+  const PetscInt  w     = p->stepper->width;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgressBegin("time steps tried", &progress));
+  PetscCall(MpmStepperExpect(p->stepper, s.unit, c->expected));
   PetscCall(MpmProgramForget(p));
   p->alike = &sizes;
-  PetscCall(FindLimit(&s, c->given, BELOW, &limit));
-  c->limit[bloch ? MPM_LIMIT_INTERIOR : MPM_LIMIT_STATE] = limit;
-  if (bloch && p->stepper->any_count) PetscCall(Parts(&s, isfinite(limit) && limit > 0 ? limit : c->given));
+  PetscCall(FindLimit(&s, c->given, BELOW, limit));
+  if (s.polynomial.n) PetscCall(PetscMalloc1(w, &s.given));
+  if (s.given) PetscCall(PetscArraycpy(s.given, s.polynomial.unread.apart, w));
+  Say(&s);
+  if (bloch && p->stepper->any_count) PetscCall(Parts(&s, started, isfinite(*limit) && *limit > 0 ? *limit : c->given));
   p->alike = NULL;
-  PetscCall(MpmProgressEnd(&progress));
-  PetscCall(Finish(&s, started, limit));
+  PetscCall(Finish(&s, started, *limit));
+  PetscCall(MpmDtPolynomialDestroy(&s.polynomial));
+  PetscCall(PetscFree(s.given));
+  PetscCall(MpmStepperForgetExpected(p->stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

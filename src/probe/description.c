@@ -122,7 +122,7 @@ static PetscErrorCode Cells(MpmStepper *s, const json_t *cells)
 
 PetscErrorCode MpmStepperDescribe(MpmStepper *s, const json_t *description)
 {
-  PetscInt64 dim, steps = 1, protocol;
+  PetscInt64 dim, steps = 1, batch = 1, protocol;
 
   PetscFunctionBegin;
   s->place = MPM_NONE;
@@ -131,9 +131,11 @@ PetscErrorCode MpmStepperDescribe(MpmStepper *s, const json_t *description)
   Whole(s, description, "dim", 1, MPM_MAX_DIM, &dim);
   Whole(s, description, "particles", 1, 1000000000, &s->particles);
   if (json_object_get(description, "steps")) Whole(s, description, "steps", 1, 1000000, &steps);
+  if (json_object_get(description, "batch")) Whole(s, description, "batch", 1, 1000000, &batch);
   s->dim       = (PetscInt)dim;
   s->described = s->particles;
   s->steps     = (PetscInt)steps;
+  s->batch     = (PetscInt)batch;
   s->any_count = json_is_true(json_object_get(description, "any_count")) ? PETSC_TRUE : PETSC_FALSE;
   s->resets    = json_is_true(json_object_get(description, "reset")) ? PETSC_TRUE : PETSC_FALSE;
   Grid(s, description);

@@ -1,7 +1,7 @@
 /* Bloch probing: cells that are alike, and the blocks of one of them. */
 #include "probe/lattice.h"
 #include "base/hash.h"
-#include "base/progress.h"
+#include "probe/columns.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <string.h>
@@ -224,21 +224,39 @@ static PetscBool IsFar(const MpmStepper *s, const MpmProbeLattice *l, PetscInt c
   return PETSC_FALSE;
 }
 
-/* The response to unknown j of a cell, as column j of the blocks of all cells. */
-static PetscErrorCode Column(MpmProbe *p, const MpmProbeLattice *l, PetscInt cell, PetscInt j, PetscReal size,
-                             PetscReal response[], PetscReal all[])
+/* all: the blocks of all cells, column by column. */
+typedef struct {
+  const MpmProbe        *probe;
+  const MpmProbeLattice *lattice;
+  PetscInt               cell;
+  PetscReal              size, *all;
+} Cell;
+
+static PetscErrorCode Perturb(void *context, PetscInt j, MpmPerturbation *d)
 {
-  const MpmStepper *s       = p->stepper;
-  const PetscInt64  unknown = l->particle[cell * l->sites + j / s->width] * s->width + j % s->width;
-  const PetscInt    order   = l->sites * s->width;
-  PetscReal         amount  = size;
+  const Cell    *c = context;
+  const PetscInt w = c->probe->stepper->width;
 
   PetscFunctionBegin;
-  PetscCall(MpmProbeRespond(p, PETSC_FALSE, 1, &unknown, &amount, response));
+  if (MpmProbeIsApart(c->probe, j % w)) PetscFunctionReturn(PETSC_SUCCESS);
+  d->unknown[0]     = c->lattice->particle[c->cell * c->lattice->sites + j / w] * w + j % w;
+  d->amount[d->n++] = c->size;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The response to unknown j of a cell is column j of the blocks of all cells. */
+static PetscErrorCode Take(void *context, PetscInt j, const MpmPerturbation *d)
+{
+  const Cell            *cell  = context;
+  const MpmStepper      *s     = cell->probe->stepper;
+  const MpmProbeLattice *l     = cell->lattice;
+  const PetscInt         order = l->sites * s->width;
+
+  PetscFunctionBegin;
   for (PetscInt64 i = 0; i < s->particles; i++)
     for (PetscInt c = 0; c < s->width; c++)
-      all[((size_t)(l->cell_of[i] * l->sites + l->site_of[i]) * s->width + c) * order + j] =
-          response[i * s->width + c] / amount;
+      cell->all[((size_t)(l->cell_of[i] * l->sites + l->site_of[i]) * s->width + c) * order + j] =
+          d->response[i * s->width + c] / d->amount[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -278,27 +296,17 @@ PetscErrorCode MpmProbeBlocks(MpmProbe *p, const MpmProbeLattice *l, PetscInt ce
 {
   const MpmStepper *s     = p->stepper;
   const PetscInt    cells = l->cells[0] * l->cells[1] * l->cells[2], order = l->sites * s->width;
-  PetscReal        *response, *all;
-  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD), rank = MpmRankOf(PETSC_COMM_WORLD);
-  MpmProgress       progress;
+  Cell              c = {.probe = p, .lattice = l, .cell = cell, .size = size};
 
   PetscFunctionBegin;
   *b = (MpmBlocks){.dim = s->dim, .size = order, .period = p->steps, .cell_width = s->cell_width};
-  PetscCall(PetscMalloc1(s->particles * s->width, &response));
-  PetscCall(PetscCalloc1((size_t)cells * order * order, &all));
-  PetscCall(MpmProgressBegin("unknowns probed", &progress));
-  for (PetscInt j = rank; j < order; j += ranks) {
-    PetscCall(Column(p, l, cell, j, size, response, all));
-    PetscCall(MpmProgressUpdate(&progress, j + 1, order));
-  }
-  PetscCall(MpmProgressEnd(&progress));
-  PetscCall(MpmStepperAgree(p->stepper));
-  for (PetscInt c = 0; c < cells; c++)
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, all + (size_t)c * order * order, order * order, MPIU_REAL, MPI_SUM,
+  PetscCall(PetscCalloc1((size_t)cells * order * order, &c.all));
+  PetscCall(MpmProbeEach(p, order, 1, Perturb, Take, &c));
+  for (PetscInt i = 0; i < cells; i++)
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, c.all + (size_t)i * order * order, order * order, MPIU_REAL, MPI_SUM,
                                PETSC_COMM_WORLD));
-  PetscCall(Keep(p, l, cell, all, b, farthest));
-  PetscCall(PetscFree(all));
-  PetscCall(PetscFree(response));
+  PetscCall(Keep(p, l, cell, c.all, b, farthest));
+  PetscCall(PetscFree(c.all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -359,6 +367,42 @@ static PetscInt From(const MpmProbeLattice *l, PetscInt dim, const PetscInt d[],
     from = from * n + at;
   }
   return from;
+}
+
+void MpmProbeLatticeAt(const void *of, PetscInt64 particle, PetscInt64 cell[], PetscInt *site)
+{
+  const MpmProbeLattice *l = of;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) cell[a] = Along(l, l->cell_of[particle], a);
+  *site = l->site_of[particle];
+}
+
+PetscErrorCode MpmProbeBlocksMatrix(const MpmProbe *p, const MpmProbeLattice *l, const MpmBlocks *b, Mat *A)
+{
+  const PetscInt w = b->size / l->sites;
+  PetscInt       first, last, *columns;
+
+  PetscFunctionBegin;
+  PetscCall(MpmProbeNewMatrix(p->stepper, w, b->n * b->size, A));
+  PetscCall(MatGetOwnershipRange(*A, &first, &last));
+  PetscCall(PetscMalloc1(w, &columns));
+  for (PetscInt i = first / w; i < last / w; i++) {
+    for (PetscInt k = 0; k < b->n; k++) {
+      const PetscInt from = From(l, b->dim, &b->d[k * b->dim], l->cell_of[i]);
+
+      for (PetscInt j = 0; j < l->sites; j++)
+        for (PetscInt r = 0; r < w; r++) {
+          const PetscReal *values = b->A + ((size_t)k * b->size + l->site_of[i] * w + r) * b->size + j * w;
+          const PetscInt   row    = i * w + r;
+
+          for (PetscInt c = 0; c < w; c++) columns[c] = (PetscInt)l->particle[from * l->sites + j] * w + c;
+          PetscCall(MatSetValues(*A, 1, &row, w, columns, values, INSERT_VALUES));
+        }
+    }
+  }
+  PetscCall(PetscFree(columns));
+  PetscCall(MpmProbeFillDiagonal(*A));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Whether blocks reach a cell, and it reaches others, without going beyond an edge. */

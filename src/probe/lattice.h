@@ -62,6 +62,16 @@ PetscInt MpmProbeLatticeDistance(const MpmProbeLattice *lattice, PetscInt cell, 
 PetscErrorCode MpmProbeBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, PetscInt cell, PetscReal size,
                               MpmBlocks *blocks, PetscReal *farthest);
 
+/*
+   MpmProbeBlocksMatrix - the operator of all particles, whose cells fill the period in each direction. Collective; blocks may be
+   without numbers of particles that are set apart.
+
+   MpmProbeLatticeAt - the cell of a particle in each direction, and its site. Not collective.
+*/
+PetscErrorCode MpmProbeBlocksMatrix(const MpmProbe *probe, const MpmProbeLattice *lattice, const MpmBlocks *blocks,
+                                    Mat *A);
+void           MpmProbeLatticeAt(const void *lattice, PetscInt64 particle, PetscInt64 cell[], PetscInt *site);
+
 /* Not collective. The largest Frobenius norm of the difference of two operators, given by their blocks, at some phases. */
 PetscErrorCode MpmProbeBlocksDistance(const MpmBlocks *one, const MpmBlocks *other, PetscReal *distance);
 

@@ -11,6 +11,7 @@
 #define NEAR_SINGLE 3e-5 /* of states that are floats */
 #define SMALL 1e-3       /* up to this size, in scales, a response should not depend on the size of its perturbation */
 #define SMALL_SINGLE 0.01
+#define MOST_NUMBERS 10000000 /* of states that are made at a time */
 
 /*
    The sizes that are tried, in scales. The best is between rounding, which is the precision over the size, and curvature,
@@ -67,9 +68,16 @@ PetscErrorCode MpmProbeAnswersFloats(MpmProbe *p, PetscReal state[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscBool IsApart(const MpmProbe *p, PetscInt number)
+PetscBool MpmProbeIsApart(const MpmProbe *p, PetscInt number)
 {
   return p->apart ? p->apart[number] : PETSC_FALSE;
+}
+
+PetscReal MpmProbeDifference(const MpmProbe *p, PetscInt64 i, const PetscReal one[], const PetscReal other[])
+{
+  const PetscInt number = (PetscInt)(i % p->stepper->width);
+
+  return Unwrap(p->stepper, PlaceAxis(p->stepper, number), one[i] - other[i]) / p->scale[number];
 }
 
 PetscReal MpmProbeDistance(const MpmProbe *p, const PetscReal one[], const PetscReal other[])
@@ -78,10 +86,8 @@ PetscReal MpmProbeDistance(const MpmProbe *p, const PetscReal one[], const Petsc
   PetscReal         largest = 0;
 
   for (PetscInt64 i = 0; i < s->particles * s->width; i++) {
-    const PetscInt number = (PetscInt)(i % s->width);
-
-    if (IsApart(p, number)) continue;
-    largest = PetscMax(largest, PetscAbsReal(Unwrap(s, PlaceAxis(s, number), one[i] - other[i])) / p->scale[number]);
+    if (!MpmProbeIsApart(p, (PetscInt)(i % s->width)))
+      largest = PetscMax(largest, PetscAbsReal(MpmProbeDifference(p, i, one, other)));
   }
   return largest;
 }
@@ -98,7 +104,7 @@ PetscReal MpmProbeMoved(const MpmProbe *p, PetscInt64 *at)
     const PetscReal ahead = axis == MPM_NONE ? 0 : p->shift[axis] * s->cell_width;
     const PetscReal moved = PetscAbsReal(Unwrap(s, axis, p->rest[i] - s->base[i] - ahead)) / p->scale[number];
 
-    if (moved <= most || IsApart(p, number)) continue;
+    if (moved <= most || MpmProbeIsApart(p, number)) continue;
     most = moved;
     *at  = i;
   }
@@ -134,36 +140,90 @@ static PetscReal Rounded(const MpmProbe *p, PetscReal number)
   return p->single ? (PetscReal)(float)number : number;
 }
 
-PetscErrorCode MpmProbeRespond(MpmProbe *p, PetscBool forward, PetscInt64 n, const PetscInt64 unknown[],
-                               PetscReal amount[], PetscReal response[])
+/* Sets the states above and below the base, and what the code's arithmetic makes of the amounts. */
+static PetscErrorCode Perturb(const MpmProbe *p, PetscBool forward, MpmPerturbation *d, PetscReal above[],
+                              PetscReal below[])
 {
-  MpmStepper      *s   = p->stepper;
-  const PetscInt64 all = s->particles * s->width;
-  PetscReal       *below;
+  const MpmStepper *s   = p->stepper;
+  const PetscInt64  all = s->particles * s->width;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(all, &below));
-  PetscCall(PetscArraycpy(response, s->base, all));
-  PetscCall(PetscArraycpy(below, s->base, all));
-  for (PetscInt64 i = 0; i < n; i++) {
-    const PetscReal scale = p->scale[unknown[i] % s->width], at = s->base[unknown[i]];
+  PetscCall(PetscArraycpy(above, s->base, all));
+  if (!forward) PetscCall(PetscArraycpy(below, s->base, all));
+  for (PetscInt64 i = 0; i < d->n; i++) {
+    const PetscInt64 j     = d->unknown[i];
+    const PetscReal  scale = p->scale[j % s->width], at = s->base[j], less = Rounded(p, at - d->amount[i] * scale);
 
-    response[unknown[i]] = Rounded(p, at + amount[i] * scale);
-    below[unknown[i]]    = Rounded(p, at - amount[i] * scale);
-    amount[i] = (forward ? response[unknown[i]] - at : (response[unknown[i]] - below[unknown[i]]) / 2) / scale;
+    above[j] = Rounded(p, at + d->amount[i] * scale);
+    if (!forward) below[j] = less;
+    d->amount[i] = (forward ? above[j] - at : (above[j] - less) / 2) / scale;
   }
-  PetscCall(MpmStepperStep(s, p->steps, s->particles, response));
-  if (forward)
-    PetscCall(PetscArraycpy(below, p->rest, all));
-  else
-    PetscCall(MpmStepperStep(s, p->steps, s->particles, below));
-  for (PetscInt64 i = 0; i < all; i++) {
-    const PetscInt  number     = (PetscInt)(i % s->width);
-    const PetscReal difference = Unwrap(s, PlaceAxis(s, number), response[i] - below[i]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-    response[i] = difference / p->scale[number] / (forward ? 1 : 2);
+PetscErrorCode MpmProbeRespondAll(MpmProbe *p, PetscBool forward, PetscInt m, MpmPerturbation each[])
+{
+  MpmStepper      *s     = p->stepper;
+  const PetscInt64 all   = s->particles * s->width;
+  const PetscInt   sides = forward ? 1 : 2;
+  PetscReal       *states;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(sides * m * all, &states));
+  for (PetscInt k = 0; k < m; k++)
+    PetscCall(Perturb(p, forward, &each[k], states + sides * k * all, states + (sides * k + 1) * all));
+  PetscCall(MpmStepperStepAll(s, p->steps, s->particles, sides * m, states));
+  for (PetscInt k = 0; k < m; k++) {
+    const PetscReal *above = states + sides * k * all, *below = forward ? p->rest : above + all;
+
+    for (PetscInt64 i = 0; i < all; i++) {
+      const PetscInt number = (PetscInt)(i % s->width);
+
+      each[k].response[i] = Unwrap(s, PlaceAxis(s, number), above[i] - below[i]) / p->scale[number] / sides;
+    }
   }
-  PetscCall(PetscFree(below));
+  PetscCall(PetscFree(states));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProbeRespond(MpmProbe *p, PetscBool forward, PetscInt64 n, PetscInt64 unknown[], PetscReal amount[],
+                               PetscReal response[])
+{
+  MpmPerturbation one = {.n = n, .unknown = unknown, .amount = amount, .response = response};
+
+  PetscFunctionBegin;
+  PetscCall(MpmProbeRespondAll(p, forward, 1, &one));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProbeEach(MpmProbe *p, PetscInt total, PetscInt64 most, MpmProbePerturb perturb, MpmProbeTake take,
+                            void *context)
+{
+  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD);
+  const PetscInt64  all   = p->stepper->particles * p->stepper->width;
+  const PetscInt    fit   = (PetscInt)PetscMax(1, PetscMin(p->stepper->batch / 2, MOST_NUMBERS / all));
+  MpmPerturbation  *each;
+  PetscInt         *which, j = MpmRankOf(PETSC_COMM_WORLD);
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(fit, &each, fit, &which));
+  for (PetscInt k = 0; k < fit; k++)
+    PetscCall(PetscMalloc3(most, &each[k].unknown, most, &each[k].amount, all, &each[k].response));
+  while (j < total) {
+    PetscInt m = 0;
+
+    for (; j < total && m < fit; j += ranks) {
+      which[m]  = j;
+      each[m].n = 0;
+      PetscCall(perturb(context, j, &each[m]));
+      if (each[m].n) m++;
+    }
+    PetscCall(MpmProbeRespondAll(p, PETSC_FALSE, m, each));
+    for (PetscInt k = 0; k < m; k++) PetscCall(take(context, which[k], &each[k]));
+  }
+  for (PetscInt k = 0; k < fit; k++) PetscCall(PetscFree3(each[k].unknown, each[k].amount, each[k].response));
+  PetscCall(PetscFree2(each, which));
+  PetscCall(MpmStepperAgree(p->stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -179,13 +239,13 @@ PetscErrorCode MpmProbeRandom(MpmProbe *p, PetscInt64 seed, PetscReal size, cons
   PetscCall(PetscMalloc2(n, &unknown, n, &by));
   for (PetscInt64 i = 0; i < n; i++) {
     if (amount) amount[i] = 0;
-    if (IsApart(p, (PetscInt)(i % w)) || (part && !part[i % w])) continue;
+    if (MpmProbeIsApart(p, (PetscInt)(i % w)) || (part && !part[i % w])) continue;
     unknown[m] = i;
     by[m++]    = size * (2 * MpmHash(seed, i) - 1);
   }
   PetscCall(MpmProbeRespond(p, PETSC_FALSE, m, unknown, by, response));
   for (PetscInt64 i = 0; i < m && amount; i++) amount[unknown[i]] = by[i] / size;
-  for (PetscInt64 i = 0; i < n; i++) response[i] = IsApart(p, (PetscInt)(i % w)) ? 0 : response[i] / size;
+  for (PetscInt64 i = 0; i < n; i++) response[i] = MpmProbeIsApart(p, (PetscInt)(i % w)) ? 0 : response[i] / size;
   PetscCall(PetscFree2(unknown, by));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -266,7 +326,7 @@ static PetscErrorCode CompareParts(MpmProbe *p, int first, PetscReal differ[], P
   *at    = MPM_NONE;
   PetscCall(PetscArrayzero(differ, SIZES - 1));
   PetscCall(Compare(p, PETSC_FALSE, first, differ, bends, at));
-  if (s->place != MPM_NONE && !IsApart(p, s->fields[s->place].first))
+  if (s->place != MPM_NONE && !MpmProbeIsApart(p, s->fields[s->place].first))
     PetscCall(Compare(p, PETSC_TRUE, first, differ, bends, at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -59,10 +59,28 @@ PetscErrorCode MpmProbeAnswersFloats(MpmProbe *probe, PetscReal state[]);
    MpmProbeRespond - the response to a perturbation: (F(q + d) - F(q - d)) / 2, in scales. d is amount[i] scales of
    unknown[i], which must be different ones; amount[i] is replaced by what the code's arithmetic makes of it.
 
-   Not collective. response: particles x width numbers. forward: F(q + d) - F(q) instead.
+   Not collective. response: particles x width numbers. forward: F(q + d) - F(q) instead. MpmProbeRespondAll: to m
+   perturbations.
 */
-PetscErrorCode MpmProbeRespond(MpmProbe *probe, PetscBool forward, PetscInt64 n, const PetscInt64 unknown[],
+typedef struct {
+  PetscInt64 n, *unknown;
+  PetscReal *amount, *response;
+} MpmPerturbation;
+
+PetscErrorCode MpmProbeRespond(MpmProbe *probe, PetscBool forward, PetscInt64 n, PetscInt64 unknown[],
                                PetscReal amount[], PetscReal response[]);
+PetscErrorCode MpmProbeRespondAll(MpmProbe *probe, PetscBool forward, PetscInt m, MpmPerturbation each[]);
+
+/*
+   MpmProbeEach - the responses to perturbations 0 <= j < total, which the ranks share. perturb makes one of up to most unknowns,
+   or leaves it empty, so that nothing is asked; take takes its response.
+
+   Collective.
+*/
+typedef PetscErrorCode (*MpmProbePerturb)(void *context, PetscInt j, MpmPerturbation *perturbation);
+typedef PetscErrorCode (*MpmProbeTake)(void *context, PetscInt j, const MpmPerturbation *perturbation);
+PetscErrorCode MpmProbeEach(MpmProbe *probe, PetscInt total, PetscInt64 most, MpmProbePerturb perturb,
+                            MpmProbeTake take, void *context);
 
 /*
    MpmProbeRandom - the response to a random perturbation of all unknowns that are not set apart, amount[i] = at most size, over
@@ -74,6 +92,9 @@ PetscErrorCode MpmProbeRespond(MpmProbe *probe, PetscBool forward, PetscInt64 n,
 PetscErrorCode MpmProbeRandom(MpmProbe *probe, PetscInt64 seed, PetscReal size, const PetscBool part[],
                               PetscReal amount[], PetscReal response[]);
 
+/* Not collective. Whether a number of a particle is set apart. */
+PetscBool MpmProbeIsApart(const MpmProbe *probe, PetscInt number);
+
 /*
    MpmProbeRespondFirst - the response to the perturbation that is the first of all. Not collective.
 
@@ -84,8 +105,9 @@ PetscErrorCode MpmProbeRespondFirst(MpmProbe *probe, PetscReal response[]);
 PetscErrorCode MpmProbeBends(MpmProbe *probe, PetscReal *bends, PetscInt64 *at);
 
 /*
-   Not collective. The largest difference of two states over the scales, of unknowns that are not set apart; whole periods are
+   Not collective. MpmProbeDifference: of number i of two states, in its scale. The largest difference of two states over the scales, of unknowns that are not set apart; whole periods are
    taken out. MpmProbeMoved: that of the base before and after an application, without the shift. at: its unknown, or MPM_NONE.
 */
+PetscReal MpmProbeDifference(const MpmProbe *probe, PetscInt64 i, const PetscReal one[], const PetscReal other[]);
 PetscReal MpmProbeDistance(const MpmProbe *probe, const PetscReal one[], const PetscReal other[]);
 PetscReal MpmProbeMoved(const MpmProbe *probe, PetscInt64 *at);

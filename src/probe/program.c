@@ -10,14 +10,31 @@
 #define LONGEST 128 /* steps in which particles may come to the same places in other cells */
 #define NOISE 1e-8  /* an entry of the operator below this is none */
 #define NOISE_SINGLE 1e-5
+#define ALL_EIGENVALUES 1024 /* of an operator of a lattice up to this order */
+#define FOR_CERTIFICATES 70  /* calls, about */
 
-/* Sets the parameters NAME=VALUE,NAME=VALUE... */
-static PetscErrorCode SetParameters(MpmProgram *p)
+/* Adds a number to a field of all particles. */
+static PetscErrorCode ChangeBase(MpmStepper *s, const char name[], PetscReal number)
+{
+  PetscInt f = 0;
+
+  PetscFunctionBegin;
+  while (f < s->nfields && strcmp(s->fields[f].name, name)) f++;
+  MpmCheckInput(f < s->nfields, "-program_base %s=%g: the code has no such field; allowed: a field of its description",
+                name, (double)number);
+  for (PetscInt64 i = 0; i < s->particles; i++)
+    for (PetscInt c = 0; c < s->fields[f].size; c++) s->base[i * s->width + s->fields[f].first + c] += number;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Goes through NAME=VALUE,NAME=VALUE... */
+static PetscErrorCode Set(MpmStepper *s, const char option[], const char said[],
+                          PetscErrorCode (*set)(MpmStepper *, const char[], PetscReal))
 {
   char text[PETSC_MAX_PATH_LEN], *next = text;
 
   PetscFunctionBegin;
-  (void)snprintf(text, sizeof text, "%s", p->request->program_set);
+  (void)snprintf(text, sizeof text, "%s", said);
   while (next && *next) {
     char     *one = next, *value, *end = NULL;
     PetscReal number;
@@ -28,9 +45,8 @@ static PetscErrorCode SetParameters(MpmProgram *p)
     if (value) *value++ = '\0';
     number = value ? strtod(value, &end) : 0;
     MpmCheckInput(value && end != value && !*end && isfinite(number),
-                  "-program_set %s: '%s' has no number; allowed: NAME=VALUE, several with commas",
-                  p->request->program_set, one);
-    PetscCall(MpmStepperSet(p->stepper, one, number));
+                  "-%s %s: '%s' has no number; allowed: NAME=VALUE, several with commas", option, said, one);
+    PetscCall(set(s, one, number));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -44,8 +60,17 @@ PetscErrorCode MpmProgramOpen(const MpmRequest *request, MpmProgram *p)
   else
     PetscCall(MpmStepperStartPlugin(request->plugin, request->program_timeout, &p->stepper));
   if (request->program_period) p->stepper->steps = request->program_period;
-  PetscCall(SetParameters(p));
+  PetscCall(Set(p->stepper, "program_set", request->program_set, MpmStepperSet));
+  PetscCall(Set(p->stepper, "program_base", request->program_base, ChangeBase));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether cells fill the period in each direction, so that the operator of all particles is known from one of them. */
+static PetscBool Wraps(const MpmProgram *p)
+{
+  for (PetscInt a = 0; a < p->stepper->dim; a++)
+    if (!p->lattice.wraps[a]) return PETSC_FALSE;
+  return PETSC_TRUE;
 }
 
 /* A symbol is of cells that are alike, a spectrum of all particles; a limit is found by what costs least. */
@@ -53,18 +78,18 @@ static PetscErrorCode Choose(MpmProgram *p)
 {
   const MpmStepper  *s    = p->stepper;
   const MpmProbeKind wish = p->request->probe;
-  const PetscBool    one  = strcmp(p->request->task, "spectrum") && !p->whole ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool    any  = wish == MPM_PROBE_ANY ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool    any  = wish == MPM_PROBE_ANY ? PETSC_TRUE : PETSC_FALSE,
+                  edges   = strcmp(p->request->task, "spectrum") ? PETSC_FALSE : PETSC_TRUE;
 
   PetscFunctionBegin;
   PetscCall(MpmProbeLatticeOf(&p->probe, &p->lattice, sizeof p->why, p->why));
   p->kind = MPM_PROBE_COLOURED;
-  if (one && !p->why[0] && (any || wish == MPM_PROBE_BLOCH)) p->kind = MPM_PROBE_BLOCH;
+  if (!p->whole && !p->why[0] && (!edges || Wraps(p)) && (any || wish == MPM_PROBE_BLOCH)) p->kind = MPM_PROBE_BLOCH;
   if (wish == MPM_PROBE_MATRIX_FREE || (any && s->place == MPM_NONE && !s->cell)) p->kind = MPM_PROBE_MATRIX_FREE;
   MpmCheckInput(p->kind == MPM_PROBE_BLOCH || p->whole ||
                     (wish != MPM_PROBE_BLOCH && strcmp(p->request->task, "symbol")),
                 "%s: its cells are not alike (%s), so that it has no symbol; allowed: spectrum, which takes any layout",
-                p->stepper->where, p->why);
+                p->stepper->where, p->why[0] ? p->why : "the particles have an edge");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -105,6 +130,8 @@ PetscErrorCode MpmProgramForget(MpmProgram *p)
 {
   PetscFunctionBegin;
   PetscCall(MpmUnreadDestroy(&p->unread));
+  PetscCall(MpmBlocksFree(&p->blocks));
+  p->cells.fields = 0;
   PetscCall(MpmProbeLatticeDestroy(&p->lattice));
   PetscCall(MpmProbeDestroy(&p->probe));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -115,6 +142,21 @@ PetscErrorCode MpmProgramClose(MpmProgram *p)
   PetscFunctionBegin;
   PetscCall(MpmProgramForget(p));
   PetscCall(MpmStepperDestroy(&p->stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramRebase(MpmProgram *p, PetscReal size)
+{
+  MpmProbe sizes = p->probe;
+
+  PetscFunctionBegin;
+  if (size > 0) sizes.size = sizes.other = size;
+  PetscCall(MpmProbeDestroy(&p->probe));
+  PetscCall(MpmProbeCreate(p->stepper, &p->probe));
+  MpmProbeSizesOf(&p->probe, &sizes);
+  PetscCall(MpmProbeBegin(&p->probe, 1));
+  p->probe.composed = sizes.composed;
+  p->probe.noise    = sizes.noise;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -130,7 +172,7 @@ PetscErrorCode MpmProgramAdvance(MpmProgram *p, PetscInt steps)
 
 /* ---- operators ---- */
 
-static PetscReal Noise(const MpmProgram *p)
+PetscReal MpmProgramNoise(const MpmProgram *p)
 {
   return p->probe.single ? NOISE_SINGLE : NOISE;
 }
@@ -140,7 +182,7 @@ static PetscErrorCode Blocks(MpmProgram *p, PetscReal size, MpmBlocks *all, MpmB
 {
   PetscFunctionBegin;
   PetscCall(MpmProbeBlocks(&p->probe, &p->lattice, MpmProbeLatticeMiddle(&p->lattice), size, all, farthest));
-  if (!p->unread.apart) PetscCall(MpmUnreadOfBlocks(all, p->stepper->width, Noise(p), &p->unread));
+  if (!p->unread.apart) PetscCall(MpmUnreadOfBlocks(all, p->stepper->width, MpmProgramNoise(p), &p->unread));
   size = (PetscReal)p->lattice.sites * p->unread.n;
   MpmCheckInput(size <= MPM_BLOCKS_SIZE && size * size * all->n <= MPM_BLOCKS_NUMBERS,
                 "%s: a cell has %.0f unknowns; allowed: up to %d", p->stepper->where, (double)size, MPM_BLOCKS_SIZE);
@@ -154,6 +196,7 @@ PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
   PetscReal farthest[2];
 
   PetscFunctionBegin;
+  if (other) PetscCall(MpmStepperExpect(p->stepper, "calls", 4 * (PetscInt64)p->columns + FOR_CERTIFICATES));
   PetscCall(Blocks(p, p->probe.size, &all[0], one, &farthest[0]));
   if (other) {
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &p->certificates));
@@ -162,6 +205,7 @@ PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
     PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, &p->certificates));
     p->certificates.value[MPM_CERTIFY_REACH] = PetscMax(farthest[0], farthest[1]);
     PetscCall(MpmBlocksFree(&all[1]));
+    PetscCall(MpmStepperForgetExpected(p->stepper));
   }
   PetscCall(MpmBlocksFree(&all[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -184,7 +228,49 @@ static PetscErrorCode Shell(MpmProgram *p, Mat *one, Mat *other)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Matrix(MpmProgram *p, PetscReal size, Mat *A)
+/* Cells that only look alike: all particles are probed. */
+static PetscErrorCode ProbeAll(MpmProgram *p, Mat *one, Mat *other)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmProgramForget(p));
+  p->whole = PETSC_TRUE;
+  PetscCall(MpmProgramPrepare(p));
+  PetscCall(MpmProgramMatrix(p, one, other));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The reach does not matter: what goes around a period belongs to the operator. */
+static PetscErrorCode Circulant(MpmProgram *p, Mat *one, Mat *other)
+{
+  MpmBlocks two;
+
+  PetscFunctionBegin;
+  PetscCall(MpmBlocksFree(&p->blocks));
+  PetscCall(MpmProgramBlocks(p, &p->blocks, other ? &two : NULL));
+  if (other && MpmCertificateFails(&p->certificates, MPM_CERTIFY_COLUMNS)) {
+    PetscCall(MpmBlocksFree(&two));
+    PetscCall(ProbeAll(p, one, other));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmProbeBlocksMatrix(&p->probe, &p->lattice, &p->blocks, one));
+  if (other) {
+    p->certificates.value[MPM_CERTIFY_REACH] = NAN;
+    PetscCall(MpmProbeBlocksMatrix(&p->probe, &p->lattice, &two, other));
+    PetscCall(MpmBlocksFree(&two));
+  }
+  if (p->stepper->particles * p->unread.n <= ALL_EIGENVALUES) PetscFunctionReturn(PETSC_SUCCESS);
+  p->cells = (MpmBlochCells){.fields = p->unread.n, .of = &p->lattice, .at = MpmProbeLatticeAt};
+  PetscCall(PetscArraycpy(p->cells.cells, p->lattice.cells, MPM_MAX_DIM));
+  PetscCall(MpmBlocksSource(&p->blocks, p->stepper->name, &p->cells.source));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MpmBlochCells *MpmProgramLattice(const MpmProgram *p)
+{
+  return p->cells.fields ? &p->cells : NULL;
+}
+
+PetscErrorCode MpmProgramColumns(MpmProgram *p, PetscReal size, Mat *A)
 {
   PetscFunctionBegin;
   if (p->kind == MPM_PROBE_MATRIX_FREE)
@@ -199,21 +285,23 @@ PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
   Mat A, B;
 
   PetscFunctionBegin;
-  if (p->shell) {
-    PetscCall(Shell(p, one, other));
+  if (p->shell || p->kind == MPM_PROBE_BLOCH) {
+    PetscCall(p->shell ? Shell(p, one, other) : Circulant(p, one, other));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(Matrix(p, p->probe.size, &A));
-  PetscCall(MpmUnreadOfMatrix(A, p->stepper->width, Noise(p), &p->unread));
+  if (other) PetscCall(MpmStepperExpect(p->stepper, "calls", 4 * (PetscInt64)p->columns + FOR_CERTIFICATES));
+  PetscCall(MpmProgramColumns(p, p->probe.size, &A));
+  if (!p->unread.apart) PetscCall(MpmUnreadOfMatrix(A, p->stepper->width, MpmProgramNoise(p), &p->unread));
   PetscCall(MpmUnreadReduce(&p->unread, A, one));
   if (other) {
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &p->certificates));
-    PetscCall(Matrix(p, p->probe.other, &B));
+    PetscCall(MpmProgramColumns(p, p->probe.other, &B));
     PetscCall(MpmUnreadReduce(&p->unread, B, other));
     PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, *one, *other, p->unread.apart, &p->certificates));
     PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, &p->certificates));
     if (p->kind == MPM_PROBE_MATRIX_FREE) p->certificates.value[MPM_CERTIFY_REACH] = NAN; /* nothing is too far away */
     PetscCall(MatDestroy(&B));
+    PetscCall(MpmStepperForgetExpected(p->stepper));
   }
   PetscCall(MatDestroy(&A));
   PetscFunctionReturn(PETSC_SUCCESS);

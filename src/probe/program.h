@@ -1,5 +1,6 @@
 /* Program: the code of somebody else in the place of a scene. It is started, probed and judged here. */
 #pragma once
+#include "analysis/bloch_modes.h"
 #include "probe/certificates.h"
 #include "probe/unread.h"
 #include "scene/request.h"
@@ -19,6 +20,8 @@
    colours      - of the coloured probing that was done last
    certificates - what shows that the operator is right; unread: unknowns that are only integrated
    tolerance    - of the verdict; at least 1e-5 in single precision
+   blocks       - of the lattice, when MpmProgramMatrix has probed them
+   cells        - the same as a lattice of waves; fields is 0 where all eigenvalues are computed without
    columns      - the responses that an operator costs with one size, of two calls each; 0 of a shell, and until they are
                   known
 S*/
@@ -31,6 +34,8 @@ typedef struct MpmProgram_ {
   PetscBool         whole, shell;
   const MpmProbe   *alike;
   MpmProbeLattice   lattice;
+  MpmBlocks         blocks;
+  MpmBlochCells     cells;
   MpmProbeColours   colours;
   MpmCertificates   certificates;
   MpmUnread         unread;
@@ -50,18 +55,34 @@ PetscErrorCode MpmProgramPrepare(MpmProgram *program);
 PetscErrorCode MpmProgramForget(MpmProgram *program);
 PetscErrorCode MpmProgramClose(MpmProgram *program);
 
+/*
+   MpmProgramRebase - looks at a base state that was changed, whose cells are taken to be those of before. size: of perturbations; 0: as
+   before. Collective.
+*/
+PetscErrorCode MpmProgramRebase(MpmProgram *program, PetscReal size);
+
 /* Collective. Replaces the base state by the one after some steps. The program must not be prepared. */
 PetscErrorCode MpmProgramAdvance(MpmProgram *program, PetscInt steps);
 
 /*
+   MpmProgramLattice - NULL, or the lattice whose waves tell the eigenvalues of MpmProgramMatrix.
+
    MpmProgramBlocks - the blocks of a lattice, probed with both sizes, without unknowns that are only integrated; takes all
    certificates. MpmProgramMatrix does the same for the operator of all particles; of a shell nothing is set apart. other NULL: probes with one size and
    takes no certificate.
 
    Collective. Free them with MpmBlocksFree or MatDestroy.
 */
-PetscErrorCode MpmProgramBlocks(MpmProgram *program, MpmBlocks *one, MpmBlocks *other);
-PetscErrorCode MpmProgramMatrix(MpmProgram *program, Mat *one, Mat *other);
+PetscErrorCode       MpmProgramBlocks(MpmProgram *program, MpmBlocks *one, MpmBlocks *other);
+PetscErrorCode       MpmProgramMatrix(MpmProgram *program, Mat *one, Mat *other);
+const MpmBlochCells *MpmProgramLattice(const MpmProgram *program);
+
+/*
+   MpmProgramColumns - the operator of all particles with one size of perturbations, and with all unknowns. Collective.
+   MpmProgramNoise   - an entry of the operator up to this is none. Not collective.
+*/
+PetscErrorCode MpmProgramColumns(MpmProgram *program, PetscReal size, Mat *A);
+PetscReal      MpmProgramNoise(const MpmProgram *program);
 
 /*
    MpmProgramJudge - a finding's verdict by MpmCertificatesJudge. What is set apart counts in its growth. Not collective.

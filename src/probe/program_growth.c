@@ -1,16 +1,17 @@
 /* From a prepared program to a verdict: its operator is probed with both sizes of perturbations. */
 #include "probe/program_growth.h"
 #include "analysis/worst_phase.h"
+#include "linalg/dense.h"
 #include <math.h>
 
-/* The eigenvalues of a shell that are near the spectrum's first mode are found on the space of that mode. */
+/* Without all eigenvalues those of a shell or a lattice near the spectrum's first mode are found on the space of that mode. */
 static PetscErrorCode SolveOther(const MpmProgram *p, const MpmSpectrum *s, Mat B, MpmEigen **eigen)
 {
   const PetscReal target[2] = {0, 0};
   Vec             x[2];
 
   PetscFunctionBegin;
-  if (!p->shell) {
+  if (!p->shell && !MpmProgramLattice(p)) {
     PetscCall(MpmEigenSolve(B, NULL, s->eigen->complete ? MPM_EIGEN_DENSE : MPM_EIGEN_LARGEST, target, eigen));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -31,7 +32,7 @@ PetscErrorCode MpmProgramJudgeSpectrum(const MpmProgram *p, Mat B, MpmSpectrum *
   growth = eigen->n ? MpmGrowthPerStep(hypot(eigen->re[0], eigen->im[0]), 0, p->probe.steps) : NAN;
   PetscCall(MpmEigenDestroy(&eigen));
   PetscCall(MpmProgramJudge(p, growth, isnan(s->condition) ? 1 : s->condition, &s->finding));
-  if (s->finding.verdict == MPM_STABLE && !s->eigen->complete)
+  if (s->finding.verdict == MPM_STABLE && !s->eigen->complete && !s->symbol)
     PetscCall(MpmFindingDispute(&s->finding, "only all eigenvalues could show that none is larger"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -43,7 +44,8 @@ PetscErrorCode MpmProgramJudgeParticles(MpmProgram *p, PetscReal started, MpmFin
 
   PetscFunctionBegin;
   PetscCall(MpmProgramMatrix(p, &A, &B));
-  PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, p->request, started, &spectrum));
+  PetscCall(
+      MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, MpmProgramLattice(p), p->request, started, &spectrum));
   PetscCall(MpmProgramJudgeSpectrum(p, B, spectrum));
   *f = spectrum->finding;
   PetscCall(MpmCarriersFind(p, spectrum, carriers));
@@ -70,5 +72,51 @@ PetscErrorCode MpmProgramJudgeWaves(MpmProgram *p, const PetscInt phases[], Pets
   PetscCall(MpmProgramJudge(p, other.growth, at.condition, f));
   PetscCall(MpmBlocksFree(&one));
   PetscCall(MpmBlocksFree(&two));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode GrowthOfMatrix(MpmProgram *p, PetscReal *growth)
+{
+  const PetscReal target[2] = {0, 0};
+  PetscReal       value[2];
+  PetscInt        order;
+  MpmEigen       *eigen;
+  Mat             A;
+
+  PetscFunctionBegin;
+  PetscCall(MpmProgramMatrix(p, &A, NULL));
+  PetscCall(MatGetSize(A, &order, NULL));
+  if (order <= MPM_DENSE_MANY) {
+    PetscCall(MpmDenseLargest(A, value));
+  } else {
+    PetscCall(MpmEigenSolve(A, NULL, MpmEigenChoose(order, PETSC_FALSE), target, &eigen));
+    value[0] = eigen->n ? eigen->re[0] : NAN;
+    value[1] = eigen->n ? eigen->im[0] : NAN;
+    PetscCall(MpmEigenDestroy(&eigen));
+  }
+  *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, p->probe.steps);
+  PetscCall(MatDestroy(&A));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramGrowth(MpmProgram *p, PetscReal *growth)
+{
+  PetscInt        phases[MPM_MAX_DIM];
+  PetscReal       beta[MPM_MAX_DIM];
+  MpmBlocks       blocks;
+  MpmSource       source;
+  MpmSourceGrowth at;
+
+  PetscFunctionBegin;
+  if (p->kind != MPM_PROBE_BLOCH) {
+    PetscCall(GrowthOfMatrix(p, growth));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmProgramBlocks(p, &blocks, NULL));
+  PetscCall(MpmBlocksSource(&blocks, p->stepper->name, &source));
+  PetscCall(MpmRequestPhases(p->request, p->stepper->dim, phases));
+  PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, phases, beta, &at));
+  *growth = at.growth;
+  PetscCall(MpmBlocksFree(&blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

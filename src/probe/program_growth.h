@@ -15,6 +15,9 @@ PetscErrorCode MpmProgramJudgeWaves(MpmProgram *program, const PetscInt phases[]
 PetscErrorCode MpmProgramJudgeParticles(MpmProgram *program, PetscReal started, MpmFinding *finding,
                                         MpmCarriers *carriers);
 
+/* Collective. Growth alone, with one size of perturbations: of all waves, or of all particles. The program must be prepared. */
+PetscErrorCode MpmProgramGrowth(MpmProgram *program, PetscReal *growth);
+
 /*
    MpmProgramJudgeSpectrum - the verdict on a spectrum of the program's operator, given the operator with the other size of
    perturbations and the certificates. Without all eigenvalues nothing is stable: at radius 1 those of largest magnitude

@@ -4,7 +4,8 @@
 
      > {"do":"describe"}                        < {"protocol":1, ...}   the base state
      > {"do":"set","NAME":VALUE}                < {}
-     > {"do":"step","steps":N}   the state      < {}                    the state      with "reset":true if it can
+     > {"do":"step","steps":N}   the state      < {}                    the state      with "reset":true if it can, and
+                                                                                       "states":M with M states at a time
      > {"do":"quit"}
 
    Instead an answer may be an "error", in the words of the code, or a "failure", a sentence of the process of a library.
@@ -112,16 +113,16 @@ static PetscErrorCode TakeState(MpmStepper *s, PetscInt64 n, PetscReal state[])
 /* ---- steps ---- */
 
 /* Says which number of a state is not finite. */
-static void CheckFinite(MpmStepper *s, const char what[], PetscInt64 particles, const PetscReal state[])
+static void CheckFinite(MpmStepper *s, const char what[], PetscInt64 particles, PetscInt count, const PetscReal state[])
 {
-  for (PetscInt64 i = 0; i < particles * s->width; i++) {
+  for (PetscInt64 i = 0; i < particles * s->width * count; i++) {
     const PetscInt number = (PetscInt)(i % s->width);
     PetscInt       f      = 0;
 
     if (isfinite(state[i])) continue;
     while (f + 1 < s->nfields && s->fields[f + 1].first <= number) f++;
     MpmStepperFail(s, "%s has a number that is not finite: %s of particle %" PetscInt64_FMT, what, s->fields[f].name,
-                   i / s->width);
+                   i / s->width % particles);
     break;
   }
 }
@@ -132,7 +133,7 @@ PetscErrorCode MpmStepperBegin(MpmStepper *s)
   PetscInt64       most;
 
   PetscFunctionBegin;
-  if (!s->failure[0]) CheckFinite(s, "the base state", s->particles, s->base);
+  if (!s->failure[0]) CheckFinite(s, "the base state", s->particles, 1, s->base);
   PetscCall(MpmStepperAgree(s));
   PetscCallMPI(MPI_Allreduce(&n, &most, 1, MPIU_INT64, MPI_MAX, PETSC_COMM_WORLD));
   if (n != most) MpmStepperFail(s, "it describes itself in another way on each rank");
@@ -145,16 +146,17 @@ PetscErrorCode MpmStepperBegin(MpmStepper *s)
 
 /* Asks a child that has been started to describe itself. */
 static PetscErrorCode Begin(const char option[], const char value[], const char whose[], MpmChild *child,
-                            MpmStepper **stepper)
+                            PetscReal timeout, MpmStepper **stepper)
 {
   json_t     *answer = NULL;
   MpmStepper *s;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(stepper));
-  s        = *stepper;
-  s->child = child;
-  s->whose = whose;
+  s          = *stepper;
+  s->child   = child;
+  s->whose   = whose;
+  s->timeout = timeout;
   (void)snprintf(s->where, sizeof s->where, "%s %s", option, value);
   TakeFailure(s);
   if (!s->failure[0]) PetscCall(Ask(s, NULL, json_pack("{s:s}", "do", "describe"), NULL, 0, &answer));
@@ -174,7 +176,7 @@ PetscErrorCode MpmStepperStartProgram(const char command[], PetscReal timeout, M
 
   PetscFunctionBegin;
   PetscCall(MpmChildStartCommand(command, timeout, &child));
-  PetscCall(Begin("program", command, "the program", child, stepper));
+  PetscCall(Begin("program", command, "the program", child, timeout, stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -191,33 +193,75 @@ PetscErrorCode MpmStepperStartPlugin(const char path[], PetscReal timeout, MpmSt
   PetscCall(PetscStrallocpy(path, &library));
   PetscCall(MpmChildStart((char *[]){own, host, library, NULL}, timeout, &child));
   PetscCall(PetscFree(library));
-  PetscCall(Begin("plugin", path, "the library", child, stepper));
+  PetscCall(Begin("plugin", path, "the library", child, timeout, stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmStepperStep(MpmStepper *s, PetscInt steps, PetscInt64 particles, PetscReal state[])
+/* One request; count states. */
+static PetscErrorCode Request(MpmStepper *s, PetscInt steps, PetscInt64 particles, PetscInt count, PetscReal states[])
 {
-  const PetscInt64 n       = particles * s->width;
+  const PetscInt64 n       = particles * s->width * count;
+  const PetscReal  begin   = MPI_Wtime();
   json_t          *command = json_pack("{s:s, s:i}", "do", "step", "steps", (int)steps), *answer = NULL;
   PetscReal       *after;
 
   PetscFunctionBegin;
   if (particles != s->described) (void)json_object_set_new(command, "particles", json_integer(particles));
+  if (count > 1) (void)json_object_set_new(command, "states", json_integer(count));
   if (s->resets) (void)json_object_set_new(command, "reset", json_true());
-  PetscCheck(particles == s->particles || s->any_count, PETSC_COMM_SELF, PETSC_ERR_PLIB, "another number of particles");
-  if (s->failure[0]) {
-    json_decref(command);
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   PetscCall(PetscMalloc1(n, &after));
-  PetscCall(Ask(s, "step", command, state, (size_t)n, &answer));
+  PetscCall(Ask(s, "step", command, states, (size_t)n, &answer));
   if (answer) PetscCall(TakeState(s, n, after));
   json_decref(answer);
-  s->calls++;
-  s->done += steps;
-  if (!s->failure[0]) CheckFinite(s, "the state after a step", particles, after);
-  if (!s->failure[0]) PetscCall(PetscArraycpy(state, after, n));
+  s->calls += count;
+  s->done += steps * count;
+  s->slowest = PetscMax(s->slowest, (MPI_Wtime() - begin) / count);
+  if (!s->failure[0]) CheckFinite(s, "the state after a step", particles, count, after);
+  if (!s->failure[0]) PetscCall(PetscArraycpy(states, after, n));
   PetscCall(PetscFree(after));
+  if (s->expected)
+    PetscCall(MpmProgressUpdate(&s->progress, PetscMin(s->calls - s->begun, s->expected - 1), s->expected));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A request stays far below the time that an answer may take. */
+PetscErrorCode MpmStepperStepAll(MpmStepper *s, PetscInt steps, PetscInt64 particles, PetscInt count,
+                                 PetscReal states[])
+{
+  PetscFunctionBegin;
+  PetscCheck(particles == s->particles || s->any_count, PETSC_COMM_SELF, PETSC_ERR_PLIB, "another number of particles");
+  for (PetscInt i = 0, n; i < count && !s->failure[0]; i += n) {
+    const PetscReal fit = s->slowest > 0 ? s->timeout / 10 / s->slowest : 1;
+
+    n = PetscMin(count - i, (PetscInt)PetscMax(1, PetscMin(s->batch, fit)));
+    PetscCall(Request(s, steps, particles, n, states + i * particles * s->width));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepperStep(MpmStepper *s, PetscInt steps, PetscInt64 particles, PetscReal state[])
+{
+  PetscFunctionBegin;
+  PetscCall(MpmStepperStepAll(s, steps, particles, 1, state));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepperExpect(MpmStepper *s, const char unit[], PetscInt64 calls)
+{
+  PetscFunctionBegin;
+  if (s->nested++) PetscFunctionReturn(PETSC_SUCCESS);
+  s->expected = calls;
+  s->begun    = s->calls;
+  PetscCall(MpmProgressBegin(unit, &s->progress));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepperForgetExpected(MpmStepper *s)
+{
+  PetscFunctionBegin;
+  if (--s->nested) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmProgressEnd(&s->progress));
+  s->expected = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,6 +6,7 @@
 */
 #pragma once
 #include "base/child.h"
+#include "base/progress.h"
 #include "base/text.h"
 #include <mpmstab/compat.h>
 #include <mpmstab/fraction.h>
@@ -48,27 +49,32 @@ typedef struct {
    steps       - the number of steps after which the state can be compared with the one before; changes: it was found, since
                  steps are not alike
    resets      - before a step the code can forget all that it keeps besides the state
+   batch       - so many states may come in one request
    searched    - scales of fields have been looked for; unsettled: by so many powers of 2 they change when that is done again,
                  infinite: they were not found
    any_count   - a step may be asked for another number of particles
    base        - the base state: particles x width numbers
    failure     - of this rank; empty: none
-   calls, done - requests for steps on this rank, and their steps
+   calls, done - states that were stepped on this rank, and their steps; slowest: seconds that one took
+   expected    - calls that progress says, counted from begun; 0: it says nothing. nested: work
+                 that has begun it
+   timeout     - seconds that an answer may take
    child       - the process that does the steps
 S*/
 typedef struct MpmStepper_ MpmStepper;
 struct MpmStepper_ {
   const char         *whose;
   char                where[PETSC_MAX_PATH_LEN], name[MPM_STEPPER_NAME], failure[MPM_STEPPER_FAILURE];
-  PetscInt            dim, nfields, width, place, nparameters, steps;
-  PetscReal           cell_width, period[MPM_MAX_DIM], unsettled;
-  PetscInt64          described, particles, calls, done;
+  PetscInt            dim, nfields, width, place, nparameters, steps, batch, nested;
+  PetscReal           cell_width, period[MPM_MAX_DIM], unsettled, slowest, timeout;
+  PetscInt64          described, particles, calls, done, expected, begun;
   PetscBool           any_count, searched, changes, resets;
   MpmStepperField     fields[MPM_STEPPER_FIELDS];
   MpmStepperParameter parameters[MPM_STEPPER_PARAMETERS];
   PetscInt           *cell;
   PetscReal          *base;
   MpmChild           *child;
+  MpmProgress         progress;
 };
 
 /*
@@ -103,11 +109,19 @@ PetscErrorCode MpmStepperParameterNames(const MpmStepper *stepper, MpmText *name
 
 /*
    MpmStepperStep - replaces the state of particles by the one after some steps. A number that is not finite is a
-   failure of the code. After a failure the state stays as it is.
+   failure of the code. After a failure the state stays as it is. MpmStepperStepAll: several states, one after another in
+   memory; the code gets as many at a time as it takes.
+
+   MpmStepperExpect - begins a progress line of about so many calls from now on, unless there is one. MpmStepperForgetExpected
+   ends it.
 
    Not collective. particles: stepper->particles, or another number if any_count.
 */
 PetscErrorCode MpmStepperStep(MpmStepper *stepper, PetscInt steps, PetscInt64 particles, PetscReal state[]);
+PetscErrorCode MpmStepperStepAll(MpmStepper *stepper, PetscInt steps, PetscInt64 particles, PetscInt count,
+                                 PetscReal states[]);
+PetscErrorCode MpmStepperExpect(MpmStepper *stepper, const char unit[], PetscInt64 calls);
+PetscErrorCode MpmStepperForgetExpected(MpmStepper *stepper);
 
 /* Collective. Refuses, with one message, if any rank's stepper has failed. */
 PetscErrorCode MpmStepperAgree(MpmStepper *stepper);

@@ -61,7 +61,8 @@ PetscErrorCode MpmCriticalProgramReport(const MpmProgram *p, const MpmCriticalPr
   if (c->carriers.n) MpmPrint("what limits: the %s\n", rows[c->least]);
   if (c->carriers.n) MpmReportCarriers(found, &c->carriers);
   PrintMissing(p, c);
-  MpmResultKeep(found, "%g{critical_dt} %g{given_dt} %g{seconds}", c->critical, c->given, wall_s);
+  MpmResultKeep(found, "%g{critical_dt} %g{given_dt} %g{seconds} %" PetscInt64_FMT "{expected_calls}", c->critical,
+                c->given, wall_s, c->expected);
   if (c->why)
     MpmResultSay(found, "critical %s: undecided, since %s{undecided}\n", c->name, c->why);
   else if (isfinite(c->critical) && c->critical > 0)

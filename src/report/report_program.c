@@ -130,3 +130,58 @@ void MpmReportCarriers(json_t *result, const MpmCarriers *c)
   }
   MpmPrint("\n");
 }
+
+void MpmReportMotion(json_t *result, PetscInt dim, const MpmMotion *m)
+{
+  PetscReal drift[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < dim; a++) drift[a] = m->drift[a].value;
+  MpmPrint("particles were set to %" PetscInt_FMT " places along a drift of %s cells a step", m->n,
+           MpmVectorText(dim, drift, 6, MPM_VECTOR_ROOM));
+  if (!isnan(m->courant))
+    MpmResultSay(result, ", from the Courant number %.6g{courant} of the code's long waves", m->courant);
+  MpmPrint("\n");
+  MpmResultVector(result, "drift", dim, drift);
+}
+
+void MpmReportRun(json_t *result, const MpmProgram *p, const MpmProgramRun *r)
+{
+  const MpmStepper *s  = p->stepper;
+  json_t           *in = MpmResultIn(result, "measured");
+
+  MpmReportFile(p->request, s->name);
+  MpmPrint("%" PetscInt64_FMT " particles with %" PetscInt_FMT " numbers each\n\ngrowth per step\n", s->particles,
+           s->width);
+  MpmResultKeep(in, "%" PetscInt64_FMT "{calls}", s->calls);
+  MpmResultSay(in,
+               "  measured    %.7g{growth}    from %.7g{low} to %.7g{high} (95%%), over %" PetscInt_FMT
+               "{steps} steps of %" PetscInt_FMT "{perturbations} random perturbations\n",
+               r->growth, r->low, r->high, r->steps, r->perturbations);
+  MpmResultSay(
+      in,
+      "in the second half they have changed by a factor of %.3g{factor}; growth that is linear in time makes it 2\n",
+      r->factor);
+  if (r->ended) MpmPrint("the code had no answer to more steps\n");
+  MpmPrint("\n");
+}
+
+void MpmReportKinks(json_t *result, const MpmKinks *k)
+{
+  json_t *in = MpmResultIn(result, "switch");
+
+  MpmResultSay(in, "the base state is on a switch at %" PetscInt64_FMT "{particles} of %" PetscInt64_FMT " particles",
+               k->particles, k->all);
+  if (!isnan(k->growth[1]))
+    MpmResultSay(in,
+                 ": growth is %.7g{one_side} on its one side and %.7g{other_side} on the other; the larger one counts",
+                 k->growth[0], k->growth[1]);
+  else if (k->field)
+    MpmResultSay(
+        in, "; a state beside it, -program_base %s{field}=%g{amount}, is on none, and growth is %.7g{beside} there",
+        k->field, k->amount, k->growth[0]);
+  else
+    MpmPrint(", and no field that is changed at all particles leaves it: switch it off (viscosity in compression only, "
+             "limiters, "
+             "cut-offs, contact)");
+  MpmPrint("\n");
+}

@@ -100,10 +100,11 @@ extern const char *const MpmTangentNames[];
    matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the steps
                        that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
    program, plugin   - the command, or the library, of a code that takes the place of a scene; program_set: its parameters
-                       that are set; program_dt: the one that is the time step; at: steps after which it is probed;
+                       that are set, and program_base: what is added to fields; program_dt: the one that is the time step; at: steps after which it is probed;
                        compare: keys of a scene that it is compared with
    program_timeout, probe - seconds in which a program must answer, and how it is probed; program_period: steps that are
-                       probed together, 0 if that is not said
+                       probed together, 0 if that is not said; program_run: those that growth is measured over; program_drift: cells a step that its particles are set along,
+                       or with program_mach Mach numbers; its first den is 0 where nothing was said
    write_matrix, write_blocks - files to which operator and blocks go
    write_layout      - file to which the worst layout goes
    output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
@@ -117,7 +118,7 @@ typedef struct {
   PetscBool       weights, source_term, ringing, measure, nodal, nodal_asked, survey, refine, damping, verbose;
   PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
-  PetscInt        program_period;
+  PetscInt        program_period, program_run;
   PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];
   MpmProgressWish progress;
   MpmAxis         axes[2];
@@ -125,12 +126,14 @@ typedef struct {
   PetscInt        window, exponents;
   PetscInt64      at_step;
   PetscReal       warn_above, end;
-  PetscBool       at_mach;
+  PetscBool       at_mach, program_mach;
+  MpmFraction     program_drift[MPM_MAX_DIM];
   MpmMach         mach;
   MpmExpect       expect;
   PetscReal       program_timeout;
   MpmProbeKind    probe;
   char            program[PETSC_MAX_PATH_LEN], plugin[PETSC_MAX_PATH_LEN], program_set[PETSC_MAX_PATH_LEN];
+  char            program_base[PETSC_MAX_PATH_LEN];
   char            program_dt[PETSC_MAX_PATH_LEN], at[PETSC_MAX_PATH_LEN], compare[PETSC_MAX_PATH_LEN];
   char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
   char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];

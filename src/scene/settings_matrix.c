@@ -2,6 +2,7 @@
 #include "scene/request.h"
 #include "scene/settings.h"
 #include <mpmstab/errors.h>
+#include <math.h>
 #include <string.h>
 
 const char *const MpmProbeNames[] = {"bloch", "coloured", "matrix_free", NULL};
@@ -15,9 +16,11 @@ static const struct {
 } needs[] = {
     {"matrix_steps", "matrix", "matrix_blocks"},
     {"program_set", "program", "plugin"},
+    {"program_base", "program", "plugin"},
     {"program_dt", "program", "plugin"},
     {"program_timeout", "program", "plugin"},
     {"program_period", "program", "plugin"},
+    {"program_run", "program", "plugin"},
     {"probe", "program", "plugin"},
     {"at", "program", "plugin"},
     {"compare", "program", "plugin"},
@@ -27,6 +30,15 @@ static const struct {
 static PetscBool IsSaid(const MpmSettings *settings, const char task[], PetscInt i)
 {
   return settings->source[i] != MPM_FROM_DEFAULT && MpmFieldIsOf(&MpmOptions[i], task) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* A code can be set to the places of a drift. */
+static PetscBool IsMotion(const char source[], const char task[], const char name[])
+{
+  return (!strcmp(source, "program") || !strcmp(source, "plugin")) && !strcmp(task, "symbol") &&
+                 (!strcmp(name, "drift") || !strcmp(name, "mach"))
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 static PetscErrorCode CheckNeeds(const MpmSettings *settings, const char task[], const char source[])
@@ -64,7 +76,34 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
   (void)snprintf(why, sizeof why, "it describes a scene, and %s takes the place of a scene; allowed: one of them",
                  source);
   for (PetscInt i = 0; MpmOptions[i].name; i++)
-    MpmSettingsRefuseIf(IsSaid(settings, task, i) && !MpmOptions[i].of_matrix, settings, MpmOptions[i].name, "%s", why);
+    MpmSettingsRefuseIf(IsSaid(settings, task, i) && !MpmOptions[i].of_matrix &&
+                            !IsMotion(source, task, MpmOptions[i].name),
+                        settings, MpmOptions[i].name, "%s", why);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A number for each direction, or one for all; how many there are is known when the code has described itself. */
+static PetscErrorCode ReadMotion(const MpmSettings *settings, MpmRequest *request)
+{
+  const char *name = IsSaid(settings, request->task, MpmOptionIndex("mach")) ? "mach" : "drift";
+  const char *text = MpmSettingsText(settings, name);
+  PetscInt    n    = 0;
+
+  PetscFunctionBegin;
+  if (!IsSaid(settings, request->task, MpmOptionIndex(name))) PetscFunctionReturn(PETSC_SUCCESS);
+  request->program_mach = strcmp(name, "drift") ? PETSC_TRUE : PETSC_FALSE;
+  for (const char *at = text; at && n <= MPM_MAX_DIM; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL, n++) {
+    char        one[64];
+    MpmFraction number;
+
+    (void)snprintf(one, sizeof one, "%.*s", (int)strcspn(at, ","), at);
+    MpmSettingsRefuseIf(n == MPM_MAX_DIM || !MpmFractionParse(one, &number) || !number.den || fabs(number.value) > 1e6,
+                        settings, name, "allowed: a number or a fraction such as 1/8, or one for each direction");
+    for (PetscInt a = n; a < (n ? n + 1 : MPM_MAX_DIM); a++) request->program_drift[a] = number;
+  }
+  MpmSettingsRefuseIf(request->compare[0], settings, name, "allowed: without compare, which takes the code as it is");
+  MpmSettingsRefuseIf(request->write_blocks[0], settings, name,
+                      "the blocks are those of one step; allowed: without write_blocks");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -78,6 +117,7 @@ PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *r
                       "program_dt", "allowed: with task critical, or with compare");
   MpmSettingsRefuseIf(request->compare[0] && request->at[0], settings, "compare",
                       "it is about the state that the code describes; allowed: without at");
+  if (request->program[0] || request->plugin[0]) PetscCall(ReadMotion(settings, request));
   if (MpmSettingsGiven(settings, "probe")) PetscCall(MpmSettingsWord(settings, "probe", &kind));
   request->probe = (MpmProbeKind)kind;
   MpmSettingsRefuseIf(!strcmp(task, "symbol") &&

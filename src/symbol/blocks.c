@@ -24,6 +24,44 @@ PetscErrorCode MpmBlocksFree(MpmBlocks *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscInt MpmBlocksAt(const MpmBlocks *b, const PetscInt d[])
+{
+  for (PetscInt k = 0; k < b->n; k++) {
+    PetscBool same = PETSC_TRUE;
+
+    for (PetscInt a = 0; a < b->dim; a++)
+      if (b->d[b->dim * k + a] != d[a]) same = PETSC_FALSE;
+    if (same) return k;
+  }
+  return MPM_NONE;
+}
+
+PetscErrorCode MpmBlocksCombine(PetscInt n, const MpmBlocks blocks[], const PetscReal weight[], MpmBlocks *sum)
+{
+  const PetscInt square = blocks[0].size * blocks[0].size;
+
+  PetscFunctionBegin;
+  *sum   = blocks[0];
+  sum->n = 0;
+  for (PetscInt i = 0; i < n; i++) sum->n += blocks[i].n;
+  PetscCall(MpmBlocksAllocate(sum));
+  PetscCall(PetscArrayzero(sum->A, (size_t)sum->n * square));
+  sum->n = 0;
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt k = 0; k < blocks[i].n; k++) {
+      const PetscInt *d  = &blocks[i].d[sum->dim * k];
+      PetscInt        at = MpmBlocksAt(sum, d);
+
+      if (at == MPM_NONE) {
+        at = sum->n++;
+        PetscCall(PetscArraycpy(&sum->d[sum->dim * at], d, sum->dim));
+      }
+      for (PetscInt e = 0; e < square; e++)
+        sum->A[(size_t)at * square + e] += weight[i] * blocks[i].A[(size_t)k * square + e];
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Matrices(void *context, PetscInt cases, const PetscInt which[], const PetscReal beta[],
                                PetscBool noisy, double complex G[], PetscInt *exponent)
 {
@@ -69,6 +107,39 @@ PetscErrorCode MpmBlocksSource(const MpmBlocks *b, const char name[], MpmSource 
                         .alike    = {0, 1, 2},
                         .null_all = MPM_NONE};
   PetscCall(PetscStrncpy(source->name, name, sizeof source->name));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The last step is on the left. */
+static PetscErrorCode Product(void *context, PetscInt cases, const PetscInt which[], const PetscReal beta[],
+                              PetscBool noisy, double complex G[], PetscInt *exponent)
+{
+  const MpmBlocksSteps *s = context;
+  const PetscInt        n = s->step->size;
+  double complex       *one, *product;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(n * n, &one, n * n, &product));
+  PetscCall(Matrices((void *)s->step, cases, which, beta, noisy, G, exponent));
+  for (PetscInt k = 1; k < s->n; k++) {
+    PetscCall(Matrices((void *)&s->step[k], cases, which, beta, noisy, one, exponent));
+    PetscCall(PetscArrayzero(product, n * n));
+    for (PetscInt j = 0; j < n; j++)
+      for (PetscInt l = 0; l < n; l++)
+        for (PetscInt i = 0; i < n; i++) product[n * j + i] += one[n * l + i] * G[n * j + l];
+    PetscCall(PetscArraycpy(G, product, n * n));
+  }
+  PetscCall(PetscFree2(one, product));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBlocksSourceOfSteps(const MpmBlocksSteps *steps, const char name[], MpmSource *source)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmBlocksSource(steps->step, name, source));
+  source->period   = steps->n * steps->step->period;
+  source->matrices = Product;
+  source->context  = (void *)steps;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

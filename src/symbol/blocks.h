@@ -28,8 +28,24 @@ typedef struct {
 PetscErrorCode MpmBlocksAllocate(MpmBlocks *blocks);
 PetscErrorCode MpmBlocksFree(MpmBlocks *blocks);
 
+/* Not collective. The sum of n operators of one lattice, each times its weight. Free it with MpmBlocksFree. */
+PetscErrorCode MpmBlocksCombine(PetscInt n, const MpmBlocks blocks[], const PetscReal weight[], MpmBlocks *sum);
+
+/* Not collective. The block at a distance, or MPM_NONE. */
+PetscInt MpmBlocksAt(const MpmBlocks *blocks, const PetscInt d[]);
+
 /* Not collective. The blocks as a source of a symbol, which they must outlive. name: of their file, for messages. */
 PetscErrorCode MpmBlocksSource(const MpmBlocks *blocks, const char name[], MpmSource *source);
+
+/*S
+   MpmBlocksSteps - the operators of n steps that follow one another, of one lattice. MpmBlocksSourceOfSteps: their product as a
+   source, which they must outlive. Not collective.
+S*/
+typedef struct {
+  PetscInt         n;
+  const MpmBlocks *step;
+} MpmBlocksSteps;
+PetscErrorCode MpmBlocksSourceOfSteps(const MpmBlocksSteps *steps, const char name[], MpmSource *source);
 
 /*
    MpmBlocksFromSource - finds the blocks of a source from its matrices at n equally spaced phases in each direction,

@@ -6,6 +6,7 @@
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "probe/program_growth.h"
+#include "probe/program_run.h"
 #include "report/report_program.h"
 #include "report/results.h"
 #include "task/expect.h"
@@ -66,18 +67,17 @@ static PetscErrorCode Keep(States *states, MpmSpectrum *s, json_t *one, PetscInt
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The blocks of one cell are probed besides: all particles at once do not show them. */
+/* Where all particles were probed at once, the blocks of one cell are probed besides. */
 static PetscErrorCode Compare(MpmProgram *p, MpmCompareProgram *compare, json_t *one)
 {
-  MpmBlocks blocks;
-
   PetscFunctionBegin;
-  PetscCall(MpmUnreadDestroy(&p->unread));
-  PetscCall(MpmProgramBlocks(p, &blocks, NULL));
-  PetscCall(MpmCompareProgramFind(p, &blocks, NAN, compare));
+  if (p->kind != MPM_PROBE_BLOCH) {
+    PetscCall(MpmUnreadDestroy(&p->unread));
+    PetscCall(MpmProgramBlocks(p, &p->blocks, NULL));
+  }
+  PetscCall(MpmCompareProgramFind(p, &p->blocks, NAN, compare));
   MpmReportCompare(MpmResultIn(one, "comparison"), p, compare);
   PetscCall(MpmCompareProgramDestroy(compare));
-  PetscCall(MpmBlocksFree(&blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -88,6 +88,8 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   MpmCompareProgram compare;
   MpmSpectrum      *s;
   MpmCarriers       carriers;
+  MpmProbeKind      kind;
+  MpmKinks          kinks;
   json_t           *one = json_object();
   Mat               A, B;
 
@@ -99,19 +101,26 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
     MpmPrint("\n");
   else
     MpmReportProgram(p);
-  if (request->compare[0])
+  if (request->compare[0] && p->kind != MPM_PROBE_BLOCH)
     MpmPrint("  all cells are alike: symbol -compare does the same with %" PetscInt_FMT " calls\n",
              4 * p->lattice.sites * p->stepper->width);
   if (request->at[0]) MpmPrint("the state after %" PetscInt_FMT " steps\n", at);
+  kind = p->kind;
   PetscCall(MpmProgramMatrix(p, &A, &B));
+  if (p->kind != kind) MpmPrint("  the cells look alike and are not: all particles were probed\n");
+  PetscCall(CheckShell(p));
   MpmReportProbed(one, p);
-  PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, request, started, &s));
+  PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, MpmProgramLattice(p), request, started, &s));
   PetscCall(MpmProgramJudgeSpectrum(p, B, s));
   PetscCall(MpmCarriersFind(p, s, &carriers));
   MpmSpectrumReport(one, NULL, request, s, NULL);
   MpmReportCarriers(one, &carriers);
   MpmResultKeep(one, "%" PetscInt64_FMT "{probing.calls}", p->stepper->calls); /* with those that eigenvalues took */
   if (request->compare[0]) PetscCall(Compare(p, &compare, one));
+  if (MpmCertificateFails(&p->certificates, MPM_CERTIFY_ONE_SIDED)) {
+    PetscCall(MpmKinksFind(p, &kinks));
+    MpmReportKinks(one, &kinks);
+  }
   PetscCall(Keep(states, s, one, at));
   PetscCall(MatDestroy(&A));
   PetscCall(MatDestroy(&B));
@@ -141,6 +150,27 @@ static PetscErrorCode GoThrough(States *states, const MpmRequest *request, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Growth by a run, without an operator. */
+static PetscErrorCode Measure(const MpmRequest *request, PetscReal started, PetscInt *missed)
+{
+  MpmProgram    program;
+  MpmProgramRun run;
+  MpmFinding    finding;
+  json_t       *result;
+
+  PetscFunctionBegin;
+  PetscCall(MpmProgramOpen(request, &program));
+  PetscCall(MpmProgramPrepare(&program));
+  PetscCall(MpmProgramRunFind(&program, request->program_run, &run, &finding));
+  PetscCall(MpmResultOfFile(request, NULL, &result));
+  MpmReportRun(result, &program, &run);
+  MpmReportFinding(result, &finding, NAN);
+  PetscCall(MpmResultEnd(request, MPI_Wtime() - started, &result));
+  PetscCall(MpmExpectFinding(&request->expect, &finding, missed));
+  PetscCall(MpmProgramClose(&program));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   States       states = {.all = json_object()};
@@ -149,6 +179,10 @@ PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started
   PetscBool    kept;
 
   PetscFunctionBegin;
+  if (request->program_run) {
+    PetscCall(Measure(request, started, missed));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   PetscCall(MpmProgramOpen(request, &states.program));
   PetscCall(GoThrough(&states, request, started));
   s = states.most;

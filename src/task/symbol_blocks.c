@@ -3,6 +3,7 @@
 #include "analysis/worst_phase.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
+#include "probe/motion.h"
 #include "report/report_program.h"
 #include "task/expect.h"
 #include <mpmstab/errors.h>
@@ -13,7 +14,7 @@
 /*S
    Answer - the symbol of blocks, the phase of largest growth at its phases or between them, and the verdict. program, and
    other, which are the blocks with another size of perturbations: only of a code that is probed. compare: only if asked for.
-   certificates: of a file.
+   certificates: of a file. motion: of a program that is set to the places of a drift; n is 0 where it is not.
 S*/
 typedef struct {
   MpmProgram        program;
@@ -24,8 +25,23 @@ typedef struct {
   MpmSourceGrowth   worst;
   PetscReal         worst_uncertainty;
   MpmCompareProgram compare;
+  MpmMotion         motion;
   MpmFinding        finding;
 } Answer;
+
+/* The blocks, or the product of those of a period, with either size of perturbations. */
+static PetscErrorCode SourceOf(const MpmRequest *request, const Answer *a, PetscBool other, MpmBlocksSteps *steps,
+                               MpmSource *source)
+{
+  const char *name = MpmRequestSource(request);
+
+  PetscFunctionBegin;
+  if (a->motion.n)
+    PetscCall(MpmMotionSource(&a->motion, other, name, steps, source));
+  else
+    PetscCall(MpmBlocksSource(other ? &a->other : &a->blocks, name, source));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 /* Takes the phase of the symbol where the search between its phases has found no larger growth. */
 static PetscErrorCode Compare(Answer *a)
@@ -33,7 +49,7 @@ static PetscErrorCode Compare(Answer *a)
   const MpmSymbol *s = a->symbol;
 
   PetscFunctionBegin;
-  a->worst_uncertainty = MpmUncertaintyOf(a->worst.growth, a->worst.relative, a->blocks.period);
+  a->worst_uncertainty = MpmUncertaintyOf(a->worst.growth, a->worst.relative, a->symbol->period);
   if (a->worst.growth > s->growth * (1 + GAINS)) PetscFunctionReturn(PETSC_SUCCESS);
   a->worst.growth      = s->growth;
   a->worst.condition   = s->condition;
@@ -57,9 +73,10 @@ static PetscErrorCode Judge(const MpmRequest *request, Answer *a)
   f->verdict = MpmVerdictOf(f);
   if (MpmRequestProbes(request)) {
     MpmSource       source;
+    MpmBlocksSteps  steps;
     MpmSourceGrowth other;
 
-    PetscCall(MpmBlocksSource(&a->other, MpmRequestSource(request), &source));
+    PetscCall(SourceOf(request, a, PETSC_TRUE, &steps, &source));
     PetscCall(MpmSourceGrowthAt(&source, a->beta, &other));
     PetscCall(MpmProgramJudge(&a->program, other.growth, a->worst.condition, f));
   } else if (MpmCertificatesTaken(&a->certificates))
@@ -79,6 +96,14 @@ static PetscErrorCode GetBlocks(const MpmRequest *request, Answer *a)
   PetscCall(MpmProgramOpen(request, &a->program));
   PetscCall(MpmProgramPrepare(&a->program));
   if (request->compare[0]) PetscCall(MpmCompareProgramBegin(&a->program, &a->compare));
+  if (request->program_drift[0].den) {
+    PetscCall(MpmMotionBegin(&a->program, &a->motion));
+    MpmReportProgram(&a->program);
+    MpmPrint("  all this at each of %" PetscInt_FMT " places of the drift\n", a->motion.n);
+    PetscCall(MpmMotionFind(&a->program, &a->motion));
+    a->blocks = a->motion.one[0];
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   MpmReportProgram(&a->program);
   PetscCall(MpmProgramBlocks(&a->program, &a->blocks, &a->other));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -88,11 +113,12 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
 {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   MpmSymbolWish  wish = {.keep = request->output[0] ? PETSC_TRUE : PETSC_FALSE, .tolerance = request->tolerance};
+  MpmBlocksSteps steps;
   MpmSource      source;
 
   PetscFunctionBegin;
   PetscCall(GetBlocks(request, a));
-  PetscCall(MpmBlocksSource(&a->blocks, MpmRequestSource(request), &source));
+  PetscCall(SourceOf(request, a, PETSC_FALSE, &steps, &source));
   PetscCall(MpmRequestPhases(request, source.dim, wish.phases));
   PetscCall(MpmSymbolFromSource(comm, &source, &wish, &a->symbol));
   PetscCall(MpmWorstPhase(comm, &source, a->symbol->phases, a->beta, &a->worst));
@@ -102,12 +128,13 @@ static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Report(const MpmRequest *request, const Answer *a, PetscReal wall_s)
+static PetscErrorCode Report(const MpmRequest *request, Answer *a, PetscReal wall_s)
 {
   const PetscBool  probed = MpmRequestProbes(request);
   const MpmBlocks *b      = &a->blocks;
   char             text[256];
   json_t          *result;
+  MpmKinks         kinks;
 
   PetscFunctionBegin;
   PetscCall(MpmResultOfFile(request, probed ? NULL : "the blocks", &result));
@@ -115,10 +142,11 @@ static PetscErrorCode Report(const MpmRequest *request, const Answer *a, PetscRe
     MpmReportProbed(result, &a->program);
   else if (MpmCertificatesTaken(&a->certificates))
     MpmReportCertificates(result, &a->certificates);
+  if (a->motion.n) MpmReportMotion(MpmResultIn(result, "motion"), b->dim, &a->motion);
   MpmResultSay(MpmResultIn(result, "lattice"),
                "%" PetscInt_FMT "{blocks} blocks of %" PetscInt_FMT "{unknowns} unknowns a cell, %" PetscInt_FMT
                "{dim} direction%s, of %" PetscInt_FMT "{period_steps} step%s\n\ngrowth per step\n",
-               b->n, b->size, b->dim, b->dim == 1 ? "" : "s", b->period, b->period == 1 ? "" : "s");
+               b->n, b->size, b->dim, b->dim == 1 ? "" : "s", a->symbol->period, a->symbol->period == 1 ? "" : "s");
   if (b->cell_width > 0) MpmResultKeep(result, "%g{lattice.cell_width}", b->cell_width);
   (void)snprintf(text, sizeof text, "at beta = %s of %s phases",
                  MpmVectorText(b->dim, a->symbol->beta_at_max, 6, MPM_VECTOR_ROOM),
@@ -133,6 +161,10 @@ static PetscErrorCode Report(const MpmRequest *request, const Answer *a, PetscRe
   if (request->compare[0]) MpmReportCompare(MpmResultIn(result, "comparison"), &a->program, &a->compare);
   MpmPrint("\n");
   MpmReportFinding(result, &a->finding, a->worst.condition);
+  if (probed && !a->motion.n && MpmCertificateFails(&a->program.certificates, MPM_CERTIFY_ONE_SIDED)) {
+    PetscCall(MpmKinksFind(&a->program, &kinks));
+    MpmReportKinks(result, &kinks);
+  }
   MpmPrint("time: %.3g s\n", a->symbol->seconds);
   PetscCall(MpmResultEnd(request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -162,7 +194,10 @@ PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, P
   PetscCall(Report(request, &answer, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&request->expect, &answer.finding, missed));
   PetscCall(MpmSymbolDestroy(&answer.symbol));
-  PetscCall(MpmBlocksFree(&answer.blocks));
+  if (answer.motion.n)
+    PetscCall(MpmMotionDestroy(&answer.motion));
+  else
+    PetscCall(MpmBlocksFree(&answer.blocks));
   if (MpmRequestProbes(request)) {
     PetscCall(MpmBlocksFree(&answer.other));
     if (request->compare[0]) PetscCall(MpmCompareProgramDestroy(&answer.compare));

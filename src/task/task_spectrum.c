@@ -20,7 +20,7 @@ static PetscErrorCode OfFile(const MpmRequest *request, PetscReal started, MpmCe
 
   PetscFunctionBegin;
   PetscCall(MpmMatrixRead(PETSC_COMM_WORLD, request->matrix, request->tolerance, &steps, certificates, &A));
-  PetscCall(MpmSpectrumOfMatrix(request->matrix, A, steps, request, started, spectrum));
+  PetscCall(MpmSpectrumOfMatrix(request->matrix, A, steps, NULL, request, started, spectrum));
   s = *spectrum;
   if (MpmCertificatesTaken(certificates)) {
     s->certificates = certificates;

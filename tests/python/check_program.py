@@ -2,13 +2,14 @@
 """Checks -program against scenes of the same schemes, and that what is wrong with a code is noticed.
 
 check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, mls, faults, strange, failures,
-page, map, free, compare or asked. Silent when all is well.
+page, map, free, compare, moving, run or asked. Silent when all is well.
 """
 import csv
 import json
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -119,10 +120,71 @@ def check_mls():
     near("interior", found["limits"]["interior"], run("critical", *scene)["critical"]["critical_courant"], 2e-6)
     near("lone particle", found["limits"]["lone_particle"], 1, 2e-6)  # docs/limits.md
     near("critical", found["critical_dt"], min(found["limits"].values()), 0)
-    check(found["evaluations"] <= 60, f"{found['evaluations']} operators")
+    check(found["evaluations"] <= 20, f"{found['evaluations']} operators")
+    check_calls()
     check([one["share"] for one in found["carriers"]] == [1], f"carriers: {found['carriers']}")
     lone = found["carriers"][0]["place"][0] % 1
     check(lone in (0.25, 0.75), f"the lone particle is at {lone}")
+
+
+def check_calls():
+    """So many steps of a code answer: a lattice in two dimensions of 5 ms a step in 20 s, with all its parts in 60 s."""
+    for task, *words, most in (("critical", "1", "8", "free", 950), ("critical", "2", "8", 1050), ("spectrum", "2", "12", 250)):
+        options = ["-program_dt", "tau"] if task == "critical" else []
+        found = run(task, "-program", program("program_mls.py", *words), *options)
+        check(found["probing"]["calls"] <= most, f"{task} {words}: {found['probing']['calls']} calls")
+        check(found["verdict"] == "stable", f"{task} {words}: {found['verdict']}, {found['evidence']}")
+        if task == "critical":
+            check(found["critical"]["expected_calls"] >= 0.6 * found["probing"]["calls"], f"{words}: {found['critical']}")
+
+
+def check_moving():
+    """Particles that are set to the places of a period: growth per step is that of our schemes under the same drift."""
+    mls = ["-formulation", "usl", "-transfer", "apic", "-gradient", "mls", "-basis", "quadratic", "-dim", "2", "-poisson", "0.5"]
+    musl = ["-formulation", "musl", "-offset", "0.5"]
+    cases = [(program("program_mls.py", "2", "8"), "tau=0.8", mls, "8", "1/4,1/4"), (program("program_mls.py", "2", "7", "free"), "tau=0.8", mls, "8", "0,1/4"),
+             (program("program_steps.py", "musl", "32"), "dt=0.5", musl, "32", "1/8"), (program("program_steps.py", "usl"), "dt=0.5", ["-formulation", "usl"], "32", "3/8")]
+    if shutil.which("octave"):
+        cases.append((f"octave -q {HERE}/program_musl.m {HERE}/../../examples/your-code", "dt=0.5", musl, "32", "1/8"))
+    else:
+        print("Octave is not there: its musl is not asked")
+    for code, given, scene, phases, drift in cases:
+        asked = ["-program", code, "-program_set", given, "-phases", phases, "-drift", drift]
+        right = run("symbol", *scene, "-courant", given.partition("=")[2], "-cells", phases, "-phases", phases, "-drift", drift)
+        for ranks in (1, 2) if "musl 32" in code else (1,):
+            found = run("symbol", *asked, ranks=ranks)
+            near(f"growth of {code} at {drift}", found["symbol"]["growth"], right["symbol"]["growth"], 1e-8)
+            check(found["verdict"] == right["verdict"], f"{code} at {drift}: {found['verdict']}, {found['evidence']}")
+            check(all(one["holds"] for one in found["probing"]["certificates"].values()), f"{code}: {found['probing']}")
+    code = ["-program", program("program_steps.py", "musl", "32"), "-phases", "32"]
+    found = run("symbol", *code, "-mach", "1/4")
+    near("drift of a Mach number", found["motion"]["drift"], 0.125, 0)
+    near("Courant number of long waves", found["motion"]["courant"], 0.5, 1e-4)
+    for task, *words, said in (("spectrum", "-drift", "1/8", "takes the place of a scene"), ("symbol", "-drift", "1/8", "-compare", "formulation=musl,courant=0.5", "without compare"),
+                               ("symbol", "-drift", "0.1234567", "after more than 128 steps"), ("symbol", "-drift", "a", "a fraction such as 1/8")):
+        answer = run(task, *(code if task == "symbol" else code[:2]), *words, status=2)
+        check(said in answer and answer.count("mpmstab:") == 1, f"{words}: {answer}")
+    answer = run("symbol", "-program", program("program_steps.py", "musl", "drift=0.125", "32"), "-drift", "1/8", status=2)
+    check("move by themselves" in answer, f"particles that move: {answer}")
+
+
+def check_run():
+    """Growth by running is that of the operator, within its limits. Codes that keep something are measured as they run."""
+    for words, dt, right in (("usl", "0.8", None), ("musl drift=0.125 32", "0.5", None), ("usl single", "0.8", 1.2792), ("usl filters 32", "0.8", None)):
+        code = ["-program", program("program_steps.py", *words.split()), "-program_set", f"dt={dt}"]
+        found = run("spectrum", *code, "-program_run", "1000", ranks=2 if words == "usl" else 1)
+        measured = found["measured"]
+        check(found["verdict"] == "unstable" and "measured, not proved" in found["evidence"], f"{words}: {found}")
+        right = right or run("spectrum", *code)["growth"]
+        check(measured["low"] <= right <= measured["high"] < right + 6e-3, f"{words}: {right}, {measured}")
+        check(measured["calls"] < 600 * (1 if "drift" not in words else 2), f"{words}: {measured['calls']} calls")
+    for words in ("usl", "usl overstress", "usl trips", "usl half"):
+        found = run("spectrum", "-program", program("program_steps.py", *words.split()), "-program_run", "1000")
+        check(found["verdict"] == "undecided" and found["measured"]["factor"] < 3, f"{words}: {found}")
+    code = ["-program", program("program_steps.py", "usl", "leapfrog"), "-program_set", "dt=0.8"]  # its operator is not that of what runs
+    check(run("spectrum", *code, "-program_run", "1000")["measured"]["growth"] < 1.16, "a leap-frog is measured")
+    said = run("spectrum", "-cells", "8", "-program_run", "100", status=2)
+    check("allowed: only with program or plugin" in said, f"a run of a scene: {said}")
 
 
 CLAMPED = {"clamp": 7, "weak": 16}  # the particles of program_steps.py that are held
@@ -143,6 +205,8 @@ def check_faults():
         check(found["verdict"] == "undecided", f"{fault or words}: {found['verdict']}, {found['evidence']}")
         check(reason in found["probing"]["what_can_be_done"], f"{fault or words}: {found['probing']['what_can_be_done']}")
         if fault in CLAMPED:
+            near(f"both sides of {fault}", *(found["switch"][side] for side in ("one_side", "other_side")), 1e-4)
+            check(found["switch"]["particles"] == 1, f"{fault}: {found['switch']}")
             check(found["probing"]["certificates"][certificate]["particle"] == CLAMPED[fault], f"{fault}: {found['probing']}")
 
 
@@ -154,13 +218,33 @@ def check_strange():
             found = run(task, "-program", program("program_steps.py", "usl", fault), "-program_set", f"dt={dt}")
             fails = [name for name, one in found["probing"]["certificates"].items() if not one["holds"]]
             check(certificate in fails, f"{fault}, {task} {dt}: {found['probing']['certificates']}")
+            if fault == "half":
+                check(found["switch"] == {"particles": 32}, f"{found['switch']}")
             if fault != "trips resets":
                 check(fails == [certificate] or dt != "0.5", f"{fault}, {task}: {fails} fail")
             if dt == "0.5" or certificate in ("two steps", "repeat"):  # growth by 3.6 is more than half a viscosity can make
                 check(found["verdict"] == "undecided", f"{fault}, {task} {dt}: {found['verdict']}, {found['evidence']}")
+    check_beside()
     found = run("symbol", "-program", program("program_steps.py", "usl", "tears"))
     check(found["verdict"] == "stable" and "two steps" not in found["probing"]["certificates"], f"{found['probing']}")
     check_filters()
+
+
+def check_beside():
+    """Beside a switch: growth on both sides where one particle has it, and a field that leaves it where all have it."""
+    sides = run("symbol", "-program", program("program_steps.py", "usl", "clamp"), "-program_set", "dt=0.8")["switch"]
+    free = run("spectrum", "-program", program("program_steps.py", "usl"), "-program_set", "dt=0.8")["growth"]
+    near("the free side of a clamp", min(abs(sides[side] - free) for side in ("one_side", "other_side")), 0, 1e-6)
+    code = ["-program", program("program_steps.py", "usl", "cut"), "-program_set", "dt=0.8"]
+    found = run("spectrum", *code)
+    check(found["switch"]["field"] == "s" and found["switch"]["amount"] < 0, f"no tension: {found['switch']}")
+    check(not found["probing"]["certificates"]["one side"]["holds"], f"no tension: {found['probing']}")
+    beside = run("spectrum", *code, "-program_base", f"s={found['switch']['amount']}")
+    check(beside["probing"]["certificates"]["one side"]["holds"] and beside["verdict"] == "unstable", f"{beside['probing']}")
+    near("growth beside a switch", beside["growth"], found["switch"]["beside"], 1e-6)
+    near("growth under a small stress", beside["growth"], free, 1e-2)
+    said = run("spectrum", *code, "-program_base", "q=1", status=2)
+    check("no such field" in said and said.count("mpmstab:") == 1, f"a field that is not there: {said}")
 
 
 def check_filters():
@@ -241,10 +325,12 @@ def check_page():
     page = os.path.join(os.path.dirname(HERE), "..", "examples", "your-code")
     text = text_of(os.path.join(page, "PROGRAM.md"))
     commands = "".join(re.findall(r"```sh\n(.*?)```", text, re.S)).splitlines()
-    check(len(commands) == 7, f"the page has {len(commands)} commands")
-    *_, found, same, other, grid = (
+    check(len(commands) == 10, f"the page has {len(commands)} commands")
+    *_, found, same, other, grid, drift, mach, ran = (
         run(*shlex.split(command.replace("python3 line.py", f"{sys.executable} {os.path.join(page, 'line.py')}"))[1:])
         for command in commands)
+    check(abs(drift["symbol"]["growth"] - 1) < 1e-9 and mach["motion"]["drift"] == 0.1, f"moving: {drift['symbol']}, {mach['motion']}")
+    check(ran["measured"]["low"] > 1, f"{ran['measured']}")
     check(same["comparison"]["same"], f"{same['comparison']}")
     by = float(re.search(r"`compare: differs in s from s \(by ([0-9.]+)\)`", text).group(1))
     check({(one["to"], one["from"]) for one in other["comparison"]["differences"]} == {("s", "s")}, f"{other['comparison']}")
@@ -343,10 +429,10 @@ def in_form(blocks, **form):
 def check_compare():
     """A code of our own schemes is the same as they are, in whatever units and order it keeps its numbers."""
     bar = ["-program", program("program_steps.py", "usl"), "-program_set", "dt=0.25,E=4"]
-    for task, ranks in (("symbol", 1), ("symbol", 2), ("spectrum", 3)):
-        found = run(task, *bar, "-compare", "formulation=usl,young=4,density=1", ranks=ranks)["comparison"]
+    for task, ranks, *words in (("symbol", 1), ("symbol", 2), ("spectrum", 3), ("spectrum", 1, "-probe", "coloured")):
+        found = run(task, *bar, *words, "-compare", "formulation=usl,young=4,density=1", ranks=ranks)["comparison"]
         check(found["same"] and found["difference"] < 1e-11 and found["courant"] == 0.5, f"{task}: {found}")
-        check(("symbol -compare does the same with 24 calls" in run.said) == (task == "spectrum"), f"{task}: {run.said}")
+        check(("symbol -compare does the same with 24 calls" in run.said) == bool(words), f"{task}: {run.said}")
         near("factor", abs(found["fields"][1]["factor"]), 2, 1e-9)  # stress over velocity is 2 c of ours
     found = run("symbol", *bar, "-compare", "formulation=musl,courant=0.5")["comparison"]
     check(not found["same"] and "formulation=usl,transfer=flip,basis=linear" in found["same_as"], f"{found}")
@@ -414,4 +500,4 @@ def check_asked():
         near(f"block {d}", abs(A - one[d]).max(), 0)
 
 
-{"page": check_page, "map": check_map, "free": check_free, "compare": check_compare, "asked": check_asked, "steps": check_steps, "mls": check_mls, "faults": check_faults, "strange": check_strange, "failures": check_failures}[sys.argv[1]]()
+{"page": check_page, "map": check_map, "free": check_free, "compare": check_compare, "moving": check_moving, "run": check_run, "asked": check_asked, "steps": check_steps, "mls": check_mls, "faults": check_faults, "strange": check_strange, "failures": check_failures}[sys.argv[1]]()

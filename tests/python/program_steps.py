@@ -5,7 +5,7 @@ SCHEME is usl or musl, with flip; the bar is periodic, h = c = rho = 1. FAULT: w
 for the place, whose scale is the cell width, 1; with "unsaid" they are not declared. Of the codes that are strange without being wrong, "leapfrog" and
 "overstress" keep an acceleration and a stress that the state does not have, and lose them with every request; "trips" is
 softer for ever once v has been above 1e-3, or until it is told to forget that ("resets"); "filters" smooths v every seventh
-step of its life, "afresh" of each request; "half" has viscosity in compression alone. "tears" has no answer after two steps of a request.
+step of its life, "afresh" of each request; "half" has viscosity in compression alone, "cut" no tension. "tears" has no answer after two steps of a request.
 """
 import json
 import sys
@@ -14,7 +14,7 @@ import numpy
 
 PPC = 2
 FAULTS = ("stale", "drops", "clamp", "weak", "mean", "memory", "noise", "moves", "single", "leapfrog", "overstress", "trips",
-          "resets", "filters", "afresh", "half", "solver", "tears")
+          "resets", "filters", "afresh", "half", "solver", "tears", "cut")
 EVERY = 7  # steps
 
 
@@ -72,6 +72,8 @@ class Bar:
         strain = (0.5 if self.tripped else 1) * self.E * self.dt * gather(nodes, slopes)
         if self.fault == "drops":
             strain[abs(strain) < 1e-5] = 0
+        if self.fault == "cut":
+            strain = numpy.minimum(s + strain, 0) - s
         if self.fault == "solver":  # the tolerance of one
             strain = numpy.round(strain, 6)
         s = s + strain

@@ -27,7 +27,7 @@ TAKEN = take_output() if os.environ.pop("MPMSTAB_ASKS", None) else None
 
 
 def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=None, name="mine", steps=1, any_count=False,
-          reset=None):
+          reset=None, batch=64):
     """Answers mpmstab until it has no more questions. What is printed after the import of this module goes to standard error.
 
     step(state, **parameters) does one step: it changes the arrays of the state, or returns a dictionary of new ones.
@@ -37,7 +37,8 @@ def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=Non
     parameters: their values, {"dt": 1e-4}. mpmstab sets them.
     steps: after so many steps the state can be compared with the one before.
     any_count: the step takes any number of particles; it then gets numpy arrays made for it.
-    reset: called before each request for steps. It forgets all that the code keeps besides the state.
+    reset: called before the steps of each state. It forgets all that the code keeps besides the state.
+    batch: so many states may come in one request. They are stepped one after another.
     """
     asked, answer = TAKEN or take_output()
     base, values = gather(state), dict(parameters or {})
@@ -53,20 +54,21 @@ def serve(step, state, *, cell_width, periodic=None, fields=None, parameters=Non
             if message["do"] == "describe":
                 head = {"protocol": 1, "name": name, "dim": dim, "cell_width": cell_width, "periodic": periodic or [None] * dim,
                         "particles": len(base), "fields": described, "parameters": values, "steps": steps, "any_count": any_count,
-                        "reset": reset is not None}
+                        "reset": reset is not None, "batch": batch}
                 tail = base.tobytes()
             elif message["do"] == "set":
                 values.update({of: value for of, value in message.items() if of in values})
             else:
                 count = message.get("particles", len(base))
-                given = numpy.frombuffer(asked.read(8 * count * base.shape[1])).reshape(count, -1)
-                now = {of: numpy.empty((count, *a.shape[1:]), a.dtype) for of, a in kinds.items()} if any_count else state
-                scatter(now, given)
-                if message.get("reset"):
-                    reset()
-                for _ in range(message["steps"]):
-                    now = step(now, **values) or now
-                tail = gather(now).tobytes()
+                given = numpy.frombuffer(asked.read(8 * count * base.shape[1] * message.get("states", 1)))
+                for one in given.reshape(-1, count, base.shape[1]):
+                    now = {of: numpy.empty((count, *a.shape[1:]), a.dtype) for of, a in kinds.items()} if any_count else state
+                    scatter(now, one)
+                    if message.get("reset"):
+                        reset()
+                    for _ in range(message["steps"]):
+                        now = step(now, **values) or now
+                    tail += gather(now).tobytes()
         except Exception as wrong:  # whatever goes wrong in the code is its answer
             head, tail = {"error": f"{type(wrong).__name__}: {wrong}"}, b""
         answer.write(json.dumps(head).encode() + b"\n" + tail)
