@@ -68,6 +68,14 @@ static PetscBool IsNoise(const MpmCertificates *c, MpmCertificate which)
   return c->value[which] <= NOISES * c->noise ? PETSC_TRUE : PETSC_FALSE;
 }
 
+PetscBool MpmCertificatesSwitch(const MpmCertificates *c)
+{
+  return MpmCertificatesFault(c) > MPM_CERTIFY_COMPOSED && MpmCertificateFails(c, MPM_CERTIFY_ONE_SIDED) &&
+                 !IsNoise(c, MPM_CERTIFY_ONE_SIDED)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
 const char *MpmCertificatesCure(const MpmCertificates *c)
 {
   MpmCertificate which = MpmCertificatesFault(c);

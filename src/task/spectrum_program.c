@@ -117,7 +117,7 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   MpmReportCarriers(one, &carriers);
   MpmResultKeep(one, "%" PetscInt64_FMT "{probing.calls}", p->stepper->calls); /* with those that eigenvalues took */
   if (request->compare[0]) PetscCall(Compare(p, &compare, one));
-  if (MpmCertificateFails(&p->certificates, MPM_CERTIFY_ONE_SIDED)) {
+  if (MpmCertificatesSwitch(&p->certificates)) {
     PetscCall(MpmKinksFind(p, &kinks));
     MpmReportKinks(one, &kinks);
   }

@@ -161,7 +161,7 @@ static PetscErrorCode Report(const MpmRequest *request, Answer *a, PetscReal wal
   if (request->compare[0]) MpmReportCompare(MpmResultIn(result, "comparison"), &a->program, &a->compare);
   MpmPrint("\n");
   MpmReportFinding(result, &a->finding, a->worst.condition);
-  if (probed && !a->motion.n && MpmCertificateFails(&a->program.certificates, MPM_CERTIFY_ONE_SIDED)) {
+  if (probed && !a->motion.n && MpmCertificatesSwitch(&a->program.certificates)) {
     PetscCall(MpmKinksFind(&a->program, &kinks));
     MpmReportKinks(result, &kinks);
   }

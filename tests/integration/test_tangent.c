@@ -254,7 +254,7 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
   PetscCall(ProductOf(march, period, &mismatch, &product));
   CHECK(mismatch <= 1e-13, "%s: the tangent's step and the march's differ by %.3g", row, mismatch);
-  PetscCall(MpmSpectrumOfMatrix("the product", product, period, &check_request, 0, &s));
+  PetscCall(MpmSpectrumOfMatrix("the product", product, period, NULL, &check_request, 0, &s));
   CHECK(fabs(PetscMax(1, s->growth) - growth) <= 1e-6, "%s: %.10g", row, s->growth);
   PetscCall(MpmSpectrumDestroy(&s));
   PetscCall(MatDestroy(&product));
