@@ -1,6 +1,6 @@
 /* Waves: growth(k, beta) of a scheme on a uniform layout, which every search over phases and Courant numbers asks for. */
 #pragma once
-#include "symbol/bloch_growth.h"
+#include "symbol/bloch.h"
 #include <mpmstab/verdict.h>
 
 /*S

@@ -21,9 +21,6 @@
 #define KINDS MPM_OP_KINDS
 #define SINGULAR 1e-12        /* a symbol of P2G G2P below this is taken for 0 */
 #define RESCALE_AT 200        /* powers of two */
-#define MODERATE 256          /* Courant number; up to here a step multiplies by less than 2^100, */
-#define SELDOM 8              /* and only after so many steps a matrix may have to be divided */
-#define NOISE_KEPT 1000000    /* numbers: 8 MB */
 #define BLOCK MPM_BLOCH_LANES /* numbers that are added at once; rows are filled up with zeros to a multiple of it */
 
 /* The symbols of the maps along a direction at the first steps of a period. They stay while the phase does. */
@@ -145,7 +142,8 @@ void MpmBlochSetPhase(MpmBloch *b, const PetscReal beta[])
   MpmBlochSetStep(b, 0);
 }
 
-void MpmBlochApply(MpmBloch *b, PetscInt o, const PetscReal beta[])
+/* Applies operation o of the table in the present step. */
+static void Apply(MpmBloch *b, PetscInt o, const PetscReal beta[])
 {
   const MpmOp      *op     = &b->scheme->table->ops[o];
   const MpmOpTraits traits = b->traits[o];
@@ -196,85 +194,57 @@ void MpmBlochApply(MpmBloch *b, PetscInt o, const PetscReal beta[])
   }
 }
 
-/* After so many steps the registers of some lane may have to be divided. */
-static PetscInt Every(PetscInt n, const PetscReal courant[])
+/* The largest abs in each lane, of n numbers. */
+static void Largest(PetscInt n, const PetscReal number[], PetscReal most[BLOCK])
 {
-  for (PetscInt i = 0; i < n; i++)
-    if (!(courant[i] <= MODERATE)) return 1;
-  return SELDOM;
+  for (PetscInt i = 0; i < n; i += BLOCK)
+    for (PetscInt j = 0; j < BLOCK; j++) {
+      const PetscReal size = fabs(number[i + j]);
+
+      most[j] = size < most[j] ? most[j] : size;
+    }
 }
 
 /*
-   Divides the state's registers by a power of two, in each lane, when they would leave the range of doubles. Adds to the
-   exponents of the lanes. A lane is divided at the steps at which it would be alone, so that its digits are the same.
+   Divides the state's registers, and n numbers beside them, by a power of two, in each lane, when they would leave the
+   range of doubles. Adds to the exponents of the lanes.
 */
-static void Rescale(MpmBloch *b, PetscBool all, PetscInt n, const PetscReal courant[], PetscInt exponent[])
+static void Rescale(MpmBloch *b, PetscInt n, PetscReal beside[], PetscInt exponent[])
 {
   const PetscInt numbers     = 2 * b->size * b->width;
   PetscReal      most[BLOCK] = {0};
 
-  for (PetscInt i = 0; i < numbers; i += BLOCK)
-    for (PetscInt j = 0; j < BLOCK; j++) {
-      const PetscReal size = fabs(b->particle[i + j]);
-
-      most[j] = size < most[j] ? most[j] : size;
-    }
+  Largest(numbers, b->particle, most);
+  Largest(n, beside, most);
   for (PetscInt lane = 0; lane < b->lanes; lane++) {
     PetscReal largest = 0;
     PetscInt  shift;
 
-    if (!all && courant[PetscMin(lane, n - 1)] <= MODERATE) continue;
     for (PetscInt j = lane; j < BLOCK; j += b->lanes) largest = PetscMax(largest, most[j]);
     shift = MpmPowerToTakeOut(largest, RESCALE_AT);
     for (PetscInt i = lane; i < numbers && shift; i += b->lanes) b->particle[i] = scalbn(b->particle[i], -(int)shift);
+    for (PetscInt i = lane; i < n && shift; i += b->lanes) beside[i] = scalbn(beside[i], -(int)shift);
     exponent[lane] += shift;
   }
 }
 
-/*
-   The factors by which the numbers of a step move, row by row. They are the same at any phase, in any lane and on any rank,
-   so they are kept, as far as there is room.
-*/
-static PetscErrorCode Noise(MpmBloch *b, PetscInt step, const PetscReal **factor)
+/* Moves every number by up to MPM_ROUNDING, relative: the same at any phase, in any lane and on any rank. */
+static void Disturb(MpmBloch *b, PetscInt step)
 {
-  const PetscInt  numbers = b->size * b->size;
-  const PetscBool kept    = (PetscInt64)b->period * numbers <= NOISE_KEPT ? PETSC_TRUE : PETSC_FALSE;
-  PetscReal      *of;
+  const PetscInt n = b->size, lanes = b->lanes;
 
-  PetscFunctionBegin;
-  if (!b->noise) PetscCall(PetscMalloc1((kept ? b->period : 1) * numbers, &b->noise));
-  of      = b->noise + (kept ? step * numbers : 0);
-  *factor = of;
-  if (kept && step < b->noisy) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt i = 0; i < numbers; i++) of[i] = 1 + MPM_ROUNDING * (2 * MpmHash(step, i) - 1);
-  b->noisy = step + 1;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+  for (PetscInt row = 0; row < n; row++) {
+    PetscReal *re = b->particle + 2 * row * b->width, *im = re + b->width;
 
-/* Moves every number by up to MPM_ROUNDING, relative. */
-static PetscErrorCode Disturb(MpmBloch *b, PetscInt step)
-{
-  const PetscInt   n = b->size, width = b->width, lanes = b->lanes;
-  const PetscReal *factor = NULL;
+    for (PetscInt c = 0; c < n; c++) {
+      const PetscReal factor = 1 + MPM_ROUNDING * (2 * MpmHash(step, row * n + c) - 1);
 
-  PetscFunctionBegin;
-  PetscCall(Noise(b, step, &factor));
-  for (PetscInt row = 0; row < n; row++, factor += n) {
-    PetscReal *re = b->particle + 2 * row * width;
-
-    if (lanes == 1)
-      for (PetscInt c = 0; c < n; c++) {
-        re[c] *= factor[c];
-        re[width + c] *= factor[c];
+      for (PetscInt i = c * lanes; i < (c + 1) * lanes; i++) {
+        re[i] *= factor;
+        im[i] *= factor;
       }
-    else
-      for (PetscInt c = 0; c < n; c++)
-        for (PetscInt lane = 0; lane < MPM_BLOCH_LANES; lane++) {
-          re[c * MPM_BLOCH_LANES + lane] *= factor[c];
-          re[width + c * MPM_BLOCH_LANES + lane] *= factor[c];
-        }
+    }
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
@@ -293,10 +263,28 @@ PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[],
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Step(MpmBloch *b, PetscInt step, const PetscReal beta[])
+/* Adds to the rows of what nodes give in a step what operation o is the first to read. */
+static void Note(const MpmBloch *b, const MpmTaken *taken, PetscInt o, PetscReal numbers[])
+{
+  PetscReal one[BLOCK];
+
+  for (PetscInt i = 0; i < BLOCK; i++) one[i] = 1;
+  for (PetscInt g = 0; g < taken->ngifts; g++) {
+    const MpmTakenGift *gift = &taken->gift[g];
+    const Factor        f    = Times(one, gift->times);
+
+    if (gift->at == o)
+      AddRow(b->width, &f, MpmBlochRow(b, gift->src), PETSC_FALSE, numbers + gift->number * 2 * b->width);
+  }
+}
+
+void MpmBlochRunStep(MpmBloch *b, PetscInt step, const PetscReal beta[], const MpmTaken *taken, PetscReal numbers[])
 {
   MpmBlochSetStep(b, step);
-  for (PetscInt o = 0; o < b->scheme->table->nops; o++) MpmBlochApply(b, o, beta);
+  for (PetscInt o = 0; o < b->scheme->table->nops; o++) {
+    if (taken) Note(b, taken, o, numbers);
+    Apply(b, o, beta);
+  }
 }
 
 PetscErrorCode MpmBlochStep(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscInt step,
@@ -309,7 +297,7 @@ PetscErrorCode MpmBlochStep(MpmBloch *b, PetscReal courant, const PetscReal beta
       MpmBlochRows(b, field)[2 * j * b->width]       = creal(state[b->fields * j + field]);
       MpmBlochRows(b, field)[(2 * j + 1) * b->width] = cimag(state[b->fields * j + field]);
     }
-  Step(b, step, beta);
+  MpmBlochRunStep(b, step, beta, NULL, NULL);
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < b->ppc; j++)
       state[b->fields * j + field] =
@@ -329,23 +317,6 @@ static inline double complex At(const MpmBloch *b, const PetscReal row[], PetscI
   return CMPLX(row[c * b->lanes + lane], row[b->width + c * b->lanes + lane]);
 }
 
-/* The first steps of a period, from what the registers hold. */
-static PetscErrorCode Steps(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
-                            PetscBool noisy, PetscInt exponent[])
-{
-  const PetscInt every = Every(n, courant);
-
-  PetscFunctionBegin;
-  for (PetscInt step = 0; step < steps; step++) {
-    const PetscBool all = step % SELDOM == SELDOM - 1 || step == steps - 1 ? PETSC_TRUE : PETSC_FALSE;
-
-    Step(b, step, beta);
-    if (noisy) PetscCall(Disturb(b, step));
-    if (all || every == 1) Rescale(b, all, n, courant, exponent);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j)
 {
   PetscReal angle = 0;
@@ -355,57 +326,12 @@ double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], Pe
 }
 
 /*
-   The matrices of a period, or those of a turn, of up to so many Courant numbers as there are lanes. exponent has an entry
-   for each lane.
-*/
-static PetscErrorCode Whole(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscBool turn,
-                            PetscBool noisy, double complex G[], PetscInt exponent[])
-{
-  const PetscInt size = b->size, steps = turn ? b->turn : b->period;
-
-  PetscFunctionBegin;
-  PetscCall(MpmBlochBegin(b, n, courant, beta, steps, size));
-  for (PetscInt field = 0; field < b->fields; field++)
-    for (PetscInt j = 0; j < b->ppc; j++)
-      SetAll(b, MpmBlochRows(b, field) + 2 * j * b->width, b->fields * j + field, 1);
-  PetscCall(Steps(b, n, courant, beta, steps, noisy, exponent));
-  for (PetscInt j = 0; j < b->ppc; j++) {
-    const double complex wave = turn ? MpmBlochPhaseBeyond(b, beta, j) : 1;
-    const PetscInt       to   = turn ? b->place[j] : j;
-
-    for (PetscInt field = 0; field < b->fields; field++)
-      for (PetscInt lane = 0; lane < n; lane++)
-        for (PetscInt c = 0; c < size; c++)
-          G[(lane * size + c) * size + b->fields * to + field] =
-              wave * At(b, MpmBlochRows(b, field) + 2 * j * b->width, c, lane);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmBlochMatrices(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[],
-                                PetscBool noisy, double complex G[], PetscInt exponent[])
-{
-  PetscFunctionBegin;
-  for (PetscInt first = 0, some; first < n; first += some) {
-    PetscInt of[MPM_BLOCH_LANES] = {0};
-
-    some = PetscMin(b->most, n - first);
-    PetscCall(Whole(b, some, courant + first, beta, PETSC_FALSE, noisy, G + first * b->size * b->size, of));
-    PetscCall(PetscArraycpy(exponent + first, of, some));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- a turn of what particles take from nodes, and of the rest ---- */
-
-/*
    Sets the registers at the start of a turn. The nodes gave their numbers at the step before, when particles stood as at the
    last step of a turn, but for the places that they have taken since.
 */
 static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscInt n, const PetscReal courant[])
 {
-  const MpmTaken *t   = b->taken;
-  PetscInt        col = t->numbers;
+  const MpmTaken *t = b->taken;
 
   MpmBlochSetStep(b, b->turn - 1);
   for (PetscInt j = 0; j < b->ppc; j++) {
@@ -428,65 +354,72 @@ static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscInt n, const P
       }
     }
   }
-  for (PetscInt j = 0; j < b->ppc; j++)
-    for (PetscInt r = 0; r < b->fields; r++)
-      if (!t->taken[r]) SetAll(b, MpmBlochRows(b, r) + 2 * j * b->width, col++, 1);
 }
 
-void MpmBlochNote(const MpmBloch *b, const MpmTaken *taken, PetscInt o, PetscReal numbers[])
+/*
+   The matrices of a period, or those of a turn, of up to so many Courant numbers as there are lanes. t: those of the
+   numbers that are taken, and of the registers that are left; NULL: of all registers.
+*/
+static PetscErrorCode Whole(MpmBloch *b, const MpmTaken *t, PetscInt n, const PetscReal courant[],
+                            const PetscReal beta[], PetscBool turn, PetscBool noisy, double complex G[],
+                            PetscInt exponent[])
 {
-  PetscReal one[BLOCK];
-
-  for (PetscInt i = 0; i < BLOCK; i++) one[i] = 1;
-  for (PetscInt g = 0; g < taken->ngifts; g++) {
-    const MpmTakenGift *gift = &taken->gift[g];
-    const Factor        f    = Times(one, gift->times);
-
-    if (gift->at == o)
-      AddRow(b->width, &f, MpmBlochRow(b, gift->src), PETSC_FALSE, numbers + gift->number * 2 * b->width);
-  }
-}
-
-/* The last step of a turn: the nodes' numbers, rows of 2 x width, are noted before they are given to particles. */
-static void LastStep(MpmBloch *b, const PetscReal beta[], PetscReal numbers[])
-{
-  for (PetscInt i = 0; i < b->taken->numbers * 2 * b->width; i++) numbers[i] = 0;
-  MpmBlochSetStep(b, b->turn - 1);
-  for (PetscInt o = 0; o < b->scheme->table->nops; o++) {
-    MpmBlochNote(b, b->taken, o, numbers);
-    MpmBlochApply(b, o, beta);
-  }
-}
-
-static PetscErrorCode SmallerTurn(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[],
-                                  double complex G[], PetscInt exponent[])
-{
-  const MpmTaken *t    = b->taken;
-  const PetscInt  size = b->turn_size;
-  PetscReal      *numbers;
+  const PetscInt numbers = t ? t->numbers : 0, left = t ? t->left : b->fields, size = numbers + left * b->ppc,
+                 steps = turn ? b->turn : b->period;
+  PetscReal *given;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlochBegin(b, n, courant, beta, b->turn, size));
-  PetscCall(PetscMalloc1(t->numbers * 2 * b->width, &numbers));
-  SpreadTaken(b, beta, n, courant);
-  PetscCall(Steps(b, n, courant, beta, b->turn - 1, PETSC_FALSE, exponent));
-  LastStep(b, beta, numbers);
-  for (PetscInt y = 0; y < t->numbers; y++)
+  PetscCall(MpmBlochBegin(b, n, courant, beta, steps, size));
+  PetscCall(PetscCalloc1(numbers * 2 * b->width, &given));
+  if (t) SpreadTaken(b, beta, n, courant);
+  for (PetscInt j = 0, column = numbers; j < b->ppc; j++)
+    for (PetscInt r = 0; r < b->fields; r++)
+      if (!t || !t->taken[r]) SetAll(b, MpmBlochRows(b, r) + 2 * j * b->width, column++, 1);
+  for (PetscInt step = 0; step < steps; step++) {
+    MpmBlochRunStep(b, step, beta, step == steps - 1 ? t : NULL, given);
+    if (noisy) Disturb(b, step);
+    Rescale(b, numbers * 2 * b->width, given, exponent);
+  }
+  for (PetscInt y = 0; y < numbers; y++)
     for (PetscInt lane = 0; lane < n; lane++)
-      for (PetscInt c = 0; c < size; c++) G[(lane * size + c) * size + y] = At(b, numbers + 2 * y * b->width, c, lane);
+      for (PetscInt c = 0; c < size; c++) G[(lane * size + c) * size + y] = At(b, given + 2 * y * b->width, c, lane);
   for (PetscInt j = 0; j < b->ppc; j++) {
-    const double complex wave = MpmBlochPhaseBeyond(b, beta, j);
-    PetscInt             to   = t->numbers + t->left * b->place[j];
+    const double complex wave = turn ? MpmBlochPhaseBeyond(b, beta, j) : 1;
+    PetscInt             to   = numbers + left * (turn ? b->place[j] : j);
 
     for (PetscInt r = 0; r < b->fields; r++) {
-      if (t->taken[r]) continue;
+      if (t && t->taken[r]) continue;
       for (PetscInt lane = 0; lane < n; lane++)
         for (PetscInt c = 0; c < size; c++)
           G[(lane * size + c) * size + to] = wave * At(b, MpmBlochRows(b, r) + 2 * j * b->width, c, lane);
       to++;
     }
   }
-  PetscCall(PetscFree(numbers));
+  PetscCall(PetscFree(given));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The same of any number of Courant numbers. */
+static PetscErrorCode Many(MpmBloch *b, const MpmTaken *t, PetscInt size, PetscInt n, const PetscReal courant[],
+                           const PetscReal beta[], PetscBool turn, PetscBool noisy, double complex G[],
+                           PetscInt exponent[])
+{
+  PetscFunctionBegin;
+  for (PetscInt first = 0, some; first < n; first += some) {
+    PetscInt powers[MPM_BLOCH_LANES] = {0};
+
+    some = PetscMin(b->most, n - first);
+    PetscCall(Whole(b, t, some, courant + first, beta, turn, noisy, G + first * size * size, powers));
+    PetscCall(PetscArraycpy(exponent + first, powers, some));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBlochMatrices(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[],
+                                PetscBool noisy, double complex G[], PetscInt exponent[])
+{
+  PetscFunctionBegin;
+  PetscCall(Many(b, NULL, b->size, n, courant, beta, PETSC_FALSE, noisy, G, exponent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -494,16 +427,6 @@ PetscErrorCode MpmBlochTurns(MpmBloch *b, PetscInt n, const PetscReal courant[],
                              double complex G[], PetscInt exponent[])
 {
   PetscFunctionBegin;
-  for (PetscInt first = 0, some; first < n; first += some) {
-    double complex *of                      = G + first * b->turn_size * b->turn_size;
-    PetscInt        powers[MPM_BLOCH_LANES] = {0};
-
-    some = PetscMin(b->most, n - first);
-    if (b->taken)
-      PetscCall(SmallerTurn(b, some, courant + first, beta, of, powers));
-    else
-      PetscCall(Whole(b, some, courant + first, beta, PETSC_TRUE, PETSC_FALSE, of, powers));
-    PetscCall(PetscArraycpy(exponent + first, powers, some));
-  }
+  PetscCall(Many(b, b->taken, b->turn_size, n, courant, beta, PETSC_TRUE, PETSC_FALSE, G, exponent));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

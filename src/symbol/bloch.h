@@ -1,10 +1,64 @@
 /* The amplification matrix of one phase: a table applied to one Bloch mode. MpmSymbolCreate calls it for each phase. */
 #pragma once
-#include "symbol/bloch_taken.h"
+#include "linalg/small_eigen.h"
 #include "symbol/ties.h"
+#include <mpmstab/table.h>
 
 typedef struct MpmBlochNodal_  MpmBlochNodal;  /* symbol/bloch_nodal.h */
 typedef struct MpmBlochGained_ MpmBlochGained; /* symbol/bloch_gained.h */
+
+/* ---- what particles take from nodes (bloch_taken.c) ---- */
+
+/*
+   What particles take from nodes at the end of a step. A particle register that is set to 0 and then only gets values from
+   nodes holds sums of W y, with few numbers y of a node. pic, xpic, apic and tpic renew velocities so. Under drift the
+   state after a step is then known by these y and the registers that are not taken, and so is that of a turn. With eight
+   particles in a cell, apic in three dimensions has 3 numbers and 8 stresses, 51 unknowns where the registers hold 144.
+
+   With E, which makes the registers of y and the others, and K, which is the turn as far as y, the turn is E K. Its
+   eigenvalues other than 0 are those of K E, the smaller matrix.
+*/
+#define MPM_MAX_TAKEN 32 /* the most node fields that a table gives to registers that are taken */
+
+/*S
+   MpmTakenGift - what a node register holds while operations of the table give it to taken registers.
+
+   at, src - the first operation that reads it, and the register
+   slot    - its slot in the plan of the nodal operator
+   number  - the unknown that it is a part of
+   times   - y[number] is the sum of times the value over the gifts of this number
+   parts, part - the operations that give it: W y, times factor k^coefficient, to dst
+S*/
+typedef struct {
+  PetscInt  at, src, slot, number, parts;
+  PetscReal times;
+  MpmOp     part[MPM_MAX_FIELDS];
+} MpmTakenGift;
+
+/*S
+   MpmTaken - see above.
+
+   taken   - taken[r]: state register r is taken
+   left    - the number of state registers that are not
+   numbers - the number of unknowns y
+   first   - first[n]: the first gift of number n, whose parts are those of y[n]
+S*/
+typedef struct {
+  PetscBool    taken[MPM_MAX_FIELDS];
+  PetscInt     left, numbers, first[MPM_MAX_TAKEN], ngifts;
+  MpmTakenGift gift[MPM_MAX_TAKEN];
+} MpmTaken;
+
+/*
+   MpmTakenFind - finds it for a table, or NULL where no register is taken, node fields are too many, or the table has no
+   plan of its nodal operator. gains: the same of all registers of a table whose particles only gain, so that a step
+   multiplies none; NULL for other tables. No register counts as taken then.
+
+   Not collective. Free it with PetscFree.
+*/
+PetscErrorCode MpmTakenFind(const MpmTable *table, PetscBool gains, MpmTaken **taken);
+
+/* ---- a Bloch mode ---- */
 
 #define MPM_BLOCH_LANES 8 /* Courant numbers that go through the steps of a period side by side */
 
@@ -41,7 +95,6 @@ typedef struct MpmBlochGained_ MpmBlochGained; /* symbol/bloch_gained.h */
    nodal        - the nodal operator; NULL where it does not apply
    gained       - what particles gain from nodes; NULL where it does not apply, or the turn's matrix is no larger
    traits, values - of the table's operations; values are the factors in each lane
-   noise, noisy - what moves numbers by their rounding, and the number of steps for which it is kept
 S*/
 typedef struct {
   const MpmLayout *layout;
@@ -57,8 +110,7 @@ typedef struct {
   MpmBlochNodal   *nodal;
   MpmBlochGained  *gained;
   MpmOpTraits     *traits;
-  PetscReal       *values, *noise;
-  PetscInt         noisy;
+  PetscReal       *values;
 } MpmBloch;
 
 /*
@@ -112,6 +164,16 @@ double complex MpmBlochOfNodes(const MpmBloch *bloch, const MpmOp *op, const Pet
 PetscErrorCode MpmBlochStep(MpmBloch *bloch, PetscReal courant, const PetscReal beta[], PetscInt step,
                             double complex state[]);
 
+/*
+   MpmBlochGrowths - the growth per step of a phase at n Courant numbers: the largest abs of the amplification factors of
+   the nodal operator and of the null space of P2G, where that is known, and else of a turn; and growth without the null
+   space, NaN where it is not known.
+
+   Not collective. eigen has the order bloch->turn_size and is overwritten.
+*/
+PetscErrorCode MpmBlochGrowths(MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt n, const PetscReal courant[],
+                               const PetscReal beta[], PetscReal growth[], PetscReal without_null[]);
+
 /* ---- the registers and the operations on them, for the files that make matrices of them ---- */
 
 /* The numbers of a row with so many columns, which is filled up with zeros to a multiple of the lanes. */
@@ -138,12 +200,10 @@ static inline PetscReal *MpmBlochRow(const MpmBloch *b, PetscInt field)
 
    MpmBlochSetStep - sets what the maps of a step are, and the nodal mass.
 
-   MpmBlochApply - applies operation o of the table in that step.
+   MpmBlochRunStep - a step of a period. taken: what nodes give to the registers that are taken is added to numbers, rows of
+   2 x width; NULL: it is not noted.
 
    MpmBlochImplicit - applies IMPLICIT, with a number for each lane (bloch_implicit.c)
-
-   MpmBlochNote - adds to the rows of what nodes give in a step, 2 x width numbers each, what operation o is the first to
-   read. MpmBlochApply comes after it.
 
    MpmBlochPhaseBeyond - the phase factor of what goes from particle j to the one whose place it has taken, for the cells in
    between.
@@ -153,7 +213,6 @@ static inline PetscReal *MpmBlochRow(const MpmBloch *b, PetscInt field)
 PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
                              PetscInt columns);
 void           MpmBlochSetStep(MpmBloch *b, PetscInt step);
-void           MpmBlochApply(MpmBloch *b, PetscInt o, const PetscReal beta[]);
-void           MpmBlochImplicit(MpmBloch *b, const MpmOp *op, const PetscReal a[]);
-void           MpmBlochNote(const MpmBloch *b, const MpmTaken *taken, PetscInt o, PetscReal numbers[]);
+void MpmBlochRunStep(MpmBloch *b, PetscInt step, const PetscReal beta[], const MpmTaken *taken, PetscReal numbers[]);
+void MpmBlochImplicit(MpmBloch *b, const MpmOp *op, const PetscReal a[]);
 double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j);

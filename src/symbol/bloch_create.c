@@ -118,7 +118,6 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *b)
   PetscCall(PetscFree3(b->particle, b->nodes, b->turns));
   PetscCall(PetscFree2(b->place, b->beyond));
   PetscCall(PetscFree(b->taken));
-  PetscCall(PetscFree(b->noise));
   PetscCall(PetscFree2(b->traits, b->values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -163,12 +163,8 @@ static PetscBool March(MpmBlochGained *g, MpmBloch *b, const PetscReal beta[])
 
   for (PetscInt i = 0; i < b->turn * each; i++) g->given[i] = 0;
   for (PetscInt step = 0; step < b->turn; step++) {
-    MpmBlochSetStep(b, step);
+    MpmBlochRunStep(b, step, beta, g->gains, g->given + step * each);
     Weigh(g, b, step);
-    for (PetscInt o = 0; o < b->scheme->table->nops; o++) {
-      MpmBlochNote(b, g->gains, o, g->given + step * each);
-      MpmBlochApply(b, o, beta);
-    }
   }
   for (PetscInt i = 0; i < b->turn * each; i++)
     if (!(fabs(g->given[i]) < LARGEST)) ok = PETSC_FALSE;

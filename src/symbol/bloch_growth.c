@@ -1,5 +1,4 @@
 /* The growth of one Bloch mode. */
-#include "symbol/bloch_growth.h"
 #include "symbol/bloch_gained.h"
 #include "symbol/bloch_nodal.h"
 #include <mpmstab/verdict.h>

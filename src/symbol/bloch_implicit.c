@@ -3,7 +3,13 @@
 
      K_ca = the sum over GRAD of component a to a stress, and DIV of this stress to component c, of their symbols' product
 */
+#include "linalg/lapack_names.h"
 #include "symbol/bloch.h"
+
+#define ZGESV MPM_LAPACK(zgesv, ZGESV)
+
+extern void ZGESV(const PetscBLASInt *n, const PetscBLASInt *nrhs, double complex *a, const PetscBLASInt *lda,
+                  PetscBLASInt *ipiv, double complex *b, const PetscBLASInt *ldb, PetscBLASInt *info);
 
 typedef double complex Small[MPM_MAX_DIM][MPM_MAX_DIM];
 
@@ -30,40 +36,19 @@ static void Stiffness(const MpmBloch *b, const MpmTable *k, Small K)
     }
 }
 
-/* The inverse of 1 + a K by elimination, with the largest pivot of each column. */
+/* The inverse of 1 + a K, by LAPACK's elimination; the transposes of both, by columns, are these by rows. */
 static void Invert(PetscInt n, Small K, PetscReal a, Small inverse)
 {
-  Small A;
+  const PetscBLASInt order = (PetscBLASInt)n, rows = MPM_MAX_DIM;
+  PetscBLASInt       pivot[MPM_MAX_DIM], info;
+  Small              A;
 
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt j = 0; j < n; j++) {
       A[i][j]       = (i == j) + a * K[i][j];
       inverse[i][j] = i == j;
     }
-  for (PetscInt c = 0; c < n; c++) {
-    PetscInt pivot = c;
-
-    for (PetscInt i = c + 1; i < n; i++)
-      if (cabs(A[i][c]) > cabs(A[pivot][c])) pivot = i;
-    for (PetscInt j = 0; j < n; j++) {
-      const double complex left = A[c][j], right = inverse[c][j];
-
-      A[c][j]           = A[pivot][j];
-      A[pivot][j]       = left;
-      inverse[c][j]     = inverse[pivot][j];
-      inverse[pivot][j] = right;
-    }
-    for (PetscInt i = 0; i < n; i++) {
-      const double complex factor = i == c ? 1 - 1 / A[c][c] : A[i][c] / A[c][c];
-
-      for (PetscInt j = 0; j < n; j++) {
-        const double complex left = A[c][j], right = inverse[c][j];
-
-        A[i][j] -= factor * left;
-        inverse[i][j] -= factor * right;
-      }
-    }
-  }
+  ZGESV(&order, &order, A[0], &rows, pivot, inverse[0], &rows, &info);
 }
 
 void MpmBlochImplicit(MpmBloch *b, const MpmOp *op, const PetscReal a[])

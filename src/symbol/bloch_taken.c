@@ -1,5 +1,5 @@
 /* Finds the registers that take their values from nodes, from what the plan of the nodal operator says of a step. */
-#include "symbol/bloch_taken.h"
+#include "symbol/bloch.h"
 #include "operator/nodal.h"
 
 static PetscBool SamePlace(const MpmOp *a, const MpmOp *b)

@@ -3,7 +3,6 @@
    of amplification matrices.
 */
 #include "scene/layout.h"
-#include "symbol/bloch_growth.h"
 #include "symbol/bloch_nodal.h"
 #include "symbol/blocks.h"
 #include "symbol/phases.h"

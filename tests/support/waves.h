@@ -2,7 +2,7 @@
 #pragma once
 #include "check.h"
 #include "linalg/small_eigen.h"
-#include "symbol/bloch_growth.h"
+#include "symbol/bloch.h"
 #include <math.h>
 
 /* A scene, and what makes amplification factors of any phase of it. */
