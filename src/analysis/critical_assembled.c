@@ -56,41 +56,32 @@ static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode NodalGrowth(Probe *p, PetscReal courant, PetscReal *growth)
-{
-  MpmStep     step;
-  MpmReduced *nodal;
-  PetscReal   value[2], norm;
-
-  PetscFunctionBegin;
-  PetscCall(Begin(p, courant, &step));
-  PetscCall(MpmNodalMatrixCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, NULL, &nodal));
-  PetscCall(MatNorm(nodal->M, NORM_INFINITY, &norm));
-  p->rounding = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, 0, 0), 0, 1);
-  PetscCall(MpmReducedLargest(nodal, value));
-  PetscCheck(!isnan(value[0]), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
-  *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, 1);
-  PetscCall(MpmReducedDestroy(&nodal));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
+/* By the nodes' own operator, where that may be, and else by the particles'. */
 static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth)
 {
-  Probe       *p = (Probe *)context;
-  MpmOperator *op;
+  Probe       *p        = (Probe *)context;
+  MpmOperator *op       = NULL;
+  MpmReduced  *nodal    = NULL;
+  PetscInt     exponent = 0, period = 1;
   PetscReal    value[2], norm;
+  MpmStep      step;
 
   PetscFunctionBegin;
   if (p->nodal) {
-    PetscCall(NodalGrowth(p, courant, growth));
-    PetscFunctionReturn(PETSC_SUCCESS);
+    PetscCall(Begin(p, courant, &step));
+    PetscCall(MpmNodalMatrixCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, NULL, &nodal));
+    PetscCall(MpmReducedLargest(nodal, value));
+  } else {
+    PetscCall(Assemble(p, courant, &op));
+    PetscCall(MpmDenseLargest(op->balanced, value));
+    exponent = op->exponent;
+    period   = op->period;
   }
-  PetscCall(Assemble(p, courant, &op));
-  PetscCall(MatNorm(op->balanced, NORM_INFINITY, &norm));
-  p->rounding = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, 0, 0), op->exponent, op->period);
-  PetscCall(MpmDenseLargest(op->balanced, value));
   PetscCheck(!isnan(value[0]), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
-  *growth = MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, op->period);
+  PetscCall(MatNorm(nodal ? nodal->M : op->balanced, NORM_INFINITY, &norm));
+  p->rounding = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, 0, 0), exponent, period);
+  *growth     = MpmGrowthPerStep(hypot(value[0], value[1]), exponent, period);
+  PetscCall(MpmReducedDestroy(&nodal));
   PetscCall(MpmOperatorDestroy(&op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,19 +4,8 @@
 */
 #include "analysis/critical_parts.h"
 #include "scene/layout.h"
+#include "symbol/phases.h"
 #include <math.h>
-
-/* Whether a direction has the same waves along its axis as one before it. */
-static PetscBool IsRepeated(const MpmCriticalCase *of, PetscInt axis)
-{
-  const MpmLayout *l = of->layout;
-
-  for (PetscInt a = 0; a < axis; a++)
-    if (l->ppc[a] == l->ppc[axis] && l->offset[a].value == l->offset[axis].value &&
-        of->step.drift[a].value == of->step.drift[axis].value && MpmSpaceAlike(&of->scheme->space, a, axis))
-      return PETSC_TRUE;
-  return PETSC_FALSE;
-}
 
 /*
    The space of waves along an axis, of one dimension. Returns the speed of P waves along it in units of c: with a prestress
@@ -68,12 +57,16 @@ static PetscErrorCode LimitOfAxis(const MpmCriticalCase *of, MpmCriticalFinder f
 
 PetscErrorCode MpmCriticalAxes(const MpmCriticalCase *of, MpmCriticalFinder find, MpmCritical *least)
 {
+  PetscBool mirror[MPM_MAX_DIM];
+  PetscInt  alike[MPM_MAX_DIM];
+
   PetscFunctionBegin;
+  MpmPhasesSymmetries(of->layout, &of->scheme->space, of->step.drift, mirror, alike);
   *least = (MpmCritical){.stable_at = INFINITY, .unstable_at = INFINITY, .courant = INFINITY, .fading = NAN};
   for (PetscInt axis = 0; axis < of->layout->dim; axis++) {
     MpmCritical c;
 
-    if (IsRepeated(of, axis)) continue;
+    if (alike[axis] < axis) continue; /* it has the same waves as one before it */
     PetscCall(LimitOfAxis(of, find, axis, &c));
     least->evaluations += c.evaluations;
     if (!(c.unstable_at < least->unstable_at)) continue;

@@ -67,28 +67,28 @@ static PetscErrorCode SearchPhase(Probe *p, PetscInt m, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Gives each rank the least value of all, with its phase: of equal ones the largest, as one rank does. */
+static PetscErrorCode LeastOfRanks(MPI_Comm comm, PetscReal *value, PetscReal *beta)
+{
+  const PetscReal mine = *value;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(&mine, value, 1, MPIU_REAL, MPI_MIN, comm));
+  if (isinf(*value)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (mine > *value) *beta = 0;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, beta, 1, MPIU_REAL, MPI_MAX, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Finds the least limit of all phases, from pi downwards. The phases are spread over the ranks. */
 static PetscErrorCode SearchPhases(Probe *p, MpmCritical *c)
 {
-  PetscReal         mine[2], *all;
-  const PetscMPIInt rank = MpmRankOf(p->comm), size = MpmRanksOf(p->comm);
-
   PetscFunctionBegin;
-  for (PetscInt m = MPM_CRITICAL_PHASES - rank; m > 0; m -= size) {
+  for (PetscInt m = MPM_CRITICAL_PHASES - MpmRankOf(p->comm); m > 0; m -= MpmRanksOf(p->comm)) {
     PetscCall(SearchPhase(p, m, c));
     PetscCall(MpmProgressUpdate(&p->progress, MPM_CRITICAL_PHASES - m, MPM_CRITICAL_PHASES));
   }
-  mine[0] = c->unstable_at;
-  mine[1] = c->beta[0];
-  PetscCall(PetscMalloc1(2 * size, &all));
-  PetscCallMPI(MPI_Allgather(mine, 2, MPIU_REAL, all, 2, MPIU_REAL, p->comm));
-  for (PetscMPIInt r = 0; r < size; r++) {
-    /* of equal limits take that of the largest phase, as one rank does */
-    if (all[2 * r] > c->unstable_at || (all[2 * r] == c->unstable_at && !(all[2 * r + 1] > c->beta[0]))) continue;
-    c->unstable_at = all[2 * r];
-    c->beta[0]     = all[2 * r + 1];
-  }
-  PetscCall(PetscFree(all));
+  PetscCall(LeastOfRanks(p->comm, &c->unstable_at, &c->beta[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -148,25 +148,23 @@ static PetscErrorCode Below(Probe *p, PetscReal courant, PetscReal beta, MpmCrit
 /* The largest growth of all phases, and of the one that grows at the case's own Courant number. Its phase is kept. */
 static PetscErrorCode GrowthOfPhases(void *context, PetscReal courant, PetscReal *growth)
 {
-  Probe            *p       = (Probe *)context;
-  PetscReal         mine[2] = {0, 0}, largest, beta;
-  const PetscMPIInt rank = MpmRankOf(p->comm), size = MpmRanksOf(p->comm);
+  Probe    *p     = (Probe *)context;
+  PetscReal least = 0; /* of the negative growths */
 
   PetscFunctionBegin;
-  for (PetscInt m = MPM_CRITICAL_PHASES - rank; m >= 0; m -= size) {
-    PetscReal g;
+  p->beta = 0;
+  for (PetscInt m = MPM_CRITICAL_PHASES - MpmRankOf(p->comm); m >= 0; m -= MpmRanksOf(p->comm)) {
+    const PetscReal beta = m > 0 ? MpmSearchPhase(m) : p->asked;
+    PetscReal       g;
 
-    beta = m > 0 ? MpmSearchPhase(m) : p->asked;
     if (isnan(beta)) continue;
     PetscCall(MpmWavesGrowth(&p->waves, courant, &beta, &g));
-    if (!(g > mine[0])) continue;
-    mine[0] = g;
-    mine[1] = beta;
+    if (!(-g < least)) continue;
+    least   = -g;
+    p->beta = beta;
   }
-  PetscCallMPI(MPI_Allreduce(&mine[0], &largest, 1, MPIU_REAL, MPI_MAX, p->comm));
-  beta = mine[0] >= largest ? mine[1] : 0;
-  PetscCallMPI(MPI_Allreduce(&beta, &p->beta, 1, MPIU_REAL, MPI_MAX, p->comm));
-  *growth = largest;
+  PetscCall(LeastOfRanks(p->comm, &least, &p->beta));
+  *growth = -least;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,6 @@
 /* What particles do in the modes that limit: P waves, S waves or both. */
 #include "analysis/critical_parts.h"
+#include "analysis/modes.h"
 #include "scene/layout.h"
 #include "symbol/bloch.h"
 #include "linalg/small_eigen.h"
@@ -9,15 +10,6 @@
 #define STILL 1e-9 /* a mode whose nodal vector is smaller than this part of it does not move the nodes */
 
 const char *const MpmWaveTypeNames[] = {"", "P", "S", "mixed", "MpmWaveType", "MPM_WAVE_", NULL};
-
-/* The first register of the formulation's first vector, or MPM_NONE. */
-static PetscInt VectorOf(const MpmScheme *scheme)
-{
-  for (PetscInt r = 0; r < scheme->table->nstate; r++)
-    if (scheme->table->field[r] >= 0 && scheme->formulation->particle_ranks[scheme->table->field[r]] == MPM_VECTOR)
-      return r;
-  return MPM_NONE;
-}
 
 /* What an operation sends of a mode to its node. */
 static double complex Sent(const MpmBloch *b, const MpmOp *op, const double complex mode[])
@@ -60,7 +52,7 @@ static PetscReal ShareAlong(const MpmBloch *b, const double complex mode[], Pets
 PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
                                    MpmWaveType *wave)
 {
-  const PetscInt vector  = VectorOf(of->scheme);
+  const PetscInt vector  = MpmModesVectorOf(of->scheme);
   PetscReal      largest = 0, least = 1, most = 0, excess;
   PetscInt       exponent;
   MpmBloch       bloch;

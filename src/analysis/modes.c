@@ -31,8 +31,7 @@ typedef struct {
   fftw_complex      *spectrum, *kept;
 } Lens;
 
-/* The first register of the first vector, or MPM_NONE. */
-static PetscInt VectorOf(const MpmScheme *scheme)
+PetscInt MpmModesVectorOf(const MpmScheme *scheme)
 {
   const MpmTable *table = scheme->table;
 
@@ -62,7 +61,7 @@ static PetscErrorCode LensCreate(const MpmOperator *op, const MpmEigen *eigen, L
 
   PetscFunctionBegin;
   *l = (Lens){.op = op, .dim = op->layout->dim, .vector = MPM_NONE};
-  if (l->dim > 1) l->vector = VectorOf(op->scheme); /* in one dimension there is no polarisation */
+  if (l->dim > 1) l->vector = MpmModesVectorOf(op->scheme); /* in one dimension there is no polarisation */
   PetscCall(MatGetSize(op->p2g, &l->count, NULL));
   for (PetscInt a = 0; a < l->dim; a++) l->nodes_along[a] = op->layout->grid[a].nodes;
   l->half   = l->nodes_along[0] / 2 + 1;
@@ -250,7 +249,7 @@ PetscErrorCode MpmModesCreate(const MpmOperator *op, const MpmEigen *eigen, MpmM
 
 PetscErrorCode MpmModesVelocities(const MpmOperator *op, const MpmEigen *eigen, PetscReal v[], PetscInt64 *fastest)
 {
-  const PetscInt   dim = op->layout->dim, vector = VectorOf(op->scheme);
+  const PetscInt   dim = op->layout->dim, vector = MpmModesVectorOf(op->scheme);
   const PetscInt64 n       = op->layout->particles;
   PetscReal        largest = 0;
   const PetscReal *state;

@@ -36,3 +36,6 @@ PetscErrorCode MpmModesVelocities(const MpmOperator *op, const MpmEigen *eigen, 
    Collective. Computed by singular values, for orders that are solved whole.
 */
 PetscErrorCode MpmModesNullity(const MpmOperator *op, PetscInt *nullity);
+
+/* Not collective. The first register of the first vector, or MPM_NONE. */
+PetscInt MpmModesVectorOf(const MpmScheme *scheme);

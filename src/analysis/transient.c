@@ -5,7 +5,7 @@
 
    by Lanczos bidiagonalization (linalg/singular.h). After some steps the product is divided by a power of two, so that
    growth over any number of steps stays in range. One vector is followed once to find these powers. Where a smaller
-   matrix has the powers of A, its products take the place of those of A (linalg/reduced_powers.h).
+   matrix has the powers of A, its products take the place of those of A (linalg/reduced.h).
 */
 #include "base/power_of_two.h"
 #include "linalg/singular.h"
@@ -13,7 +13,7 @@
 #include <mpmstab/errors.h>
 #include "base/progress.h"
 #include "analysis/transient.h"
-#include "linalg/reduced_powers.h"
+#include "linalg/reduced.h"
 #include <math.h>
 
 #define EVERY 16          /* norms are computed at all steps up to this one, and later at spaced ones */
@@ -39,7 +39,8 @@ typedef struct {
   MpmReducedPowers powers;
 } Product;
 
-static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
+/* The product of n steps, or its transpose, which takes the steps from the last one on. */
+static PetscErrorCode Apply(Mat matrix, PetscBool transpose, Vec x, Vec y)
 {
   Product *p;
   Vec      in = x;
@@ -47,38 +48,28 @@ static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(matrix, &p));
   if (p->smaller) {
-    PetscCall(MpmReducedPowersMult(&p->powers, p->n, p->shift, PETSC_FALSE, x, y));
+    PetscCall(MpmReducedPowersMult(&p->powers, p->n, p->shift, transpose, x, y));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (PetscInt k = 0; k < p->n; k++) {
-    Vec out = k == p->n - 1 ? y : p->work[k % 2];
+  for (PetscInt i = 0; i < p->n; i++) {
+    const PetscInt k   = transpose ? p->n - 1 - i : i;
+    Vec            out = i == p->n - 1 ? y : p->work[i % 2];
 
-    PetscCall(MatMult(p->step[k % p->period], in, out));
+    PetscCall((transpose ? MatMultTranspose : MatMult)(p->step[k % p->period], in, out));
     if (p->shift[k]) PetscCall(VecScale(out, scalbn(1, -(int)p->shift[k])));
     in = out;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
+{
+  return Apply(matrix, PETSC_FALSE, x, y);
+}
+
 static PetscErrorCode MultiplyTranspose(Mat matrix, Vec x, Vec y)
 {
-  Product *p;
-  Vec      in = x;
-
-  PetscFunctionBegin;
-  PetscCall(MatShellGetContext(matrix, &p));
-  if (p->smaller) {
-    PetscCall(MpmReducedPowersMult(&p->powers, p->n, p->shift, PETSC_TRUE, x, y));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  for (PetscInt k = p->n - 1; k >= 0; k--) {
-    Vec out = k == 0 ? y : p->work[k % 2];
-
-    PetscCall(MatMultTranspose(p->step[k % p->period], in, out));
-    if (p->shift[k]) PetscCall(VecScale(out, scalbn(1, -(int)p->shift[k])));
-    in = out;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return Apply(matrix, PETSC_TRUE, x, y);
 }
 
 static PetscErrorCode ProductCreate(const MpmOperator *op, const MpmReduced *nodal, PetscInt last, Product *p)

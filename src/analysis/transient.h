@@ -25,7 +25,7 @@ typedef struct {
    a matrix that was given and covers several steps, these are periods, and last is at least one period.
 
    Collective; needs SLEPc initialized. nodal: NULL, or the nodes' operator of op, whose powers then take the place of
-   those of the particles' (linalg/reduced_powers.h). growth: per step, that of the spectrum (NaN: not known). The relative error of a
+   those of the particles' (linalg/reduced.h). growth: per step, that of the spectrum (NaN: not known). The relative error of a
    norm is at most 1e-6, and that of rounding where it is separate from the next singular value.
 */
 PetscErrorCode MpmTransientCreate(const MpmOperator *op, const MpmReduced *nodal, PetscInt last, PetscReal growth,

@@ -4,7 +4,6 @@
 */
 #include "linalg/eigen.h"
 #include "linalg/eigen_dense.h"
-#include "linalg/eigen_target.h"
 #include "linalg/nilpotent.h"
 #include "base/errors_private.h"
 #include "linalg/ritz.h"

@@ -84,22 +84,13 @@ static PetscErrorCode FillRows(PetscInt n, const PetscReal half[], Mat inverse)
 /* Computes sqrt(M) and 1 / sqrt(M), which is 0 where there is no mass. */
 static PetscErrorCode Roots(Vec masses, Vec *root, Vec *inverse)
 {
-  PetscInt   n;
-  PetscReal *r, *i;
-
   PetscFunctionBegin;
   PetscCall(VecDuplicate(masses, root));
   PetscCall(VecDuplicate(masses, inverse));
   PetscCall(VecCopy(masses, *root));
-  PetscCall(VecGetLocalSize(masses, &n));
-  PetscCall(VecGetArray(*root, &r));
-  PetscCall(VecGetArray(*inverse, &i));
-  for (PetscInt node = 0; node < n; node++) {
-    r[node] = sqrt(PetscMax(r[node], 0));
-    i[node] = r[node] > 0 ? 1 / r[node] : 0;
-  }
-  PetscCall(VecRestoreArray(*inverse, &i));
-  PetscCall(VecRestoreArray(*root, &r));
+  PetscCall(VecSqrtAbs(*root));
+  PetscCall(VecCopy(*root, *inverse));
+  PetscCall(VecReciprocal(*inverse)); /* of the numbers that are not 0 */
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

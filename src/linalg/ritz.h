@@ -1,4 +1,4 @@
-/* Rayleigh-Ritz with a complex target in real arithmetic, for MpmEigenSolve with MPM_EIGEN_TARGET and MpmEigenRitz. */
+/* Eigenvalues near a complex target in real arithmetic, and Rayleigh-Ritz, for MpmEigenSolve and MpmEigenRitz. */
 #pragma once
 #include <mpmstab/compat.h>
 #include <slepceps.h>
@@ -17,3 +17,15 @@ PetscErrorCode MpmRitzMatrix(Mat A, const PetscReal target[2], Mat *T);
 */
 PetscErrorCode MpmRitzExtract(Mat A, PetscInt given, Vec vectors[], BV *basis, PetscInt *n, PetscReal **re,
                               PetscReal **im, PetscReal **coefficients);
+
+/*
+   Collective. Sets the solver to find eigenvalues near 0 of T by shift-and-invert. Call it before options are
+   read.
+*/
+PetscErrorCode MpmEigenTargetSet(EPS eps, PetscInt restarts);
+
+/*
+   Collective. Sets a small Krylov space, unless options have asked for more eigenvalues or another space. Call it after
+   options are read.
+*/
+PetscErrorCode MpmEigenTargetBasis(EPS eps);

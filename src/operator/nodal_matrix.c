@@ -57,75 +57,55 @@ static PetscErrorCode Begin(const Nodal *x, PetscInt lines, MpmStepProgram **pro
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* M: what the slots of the images hold after the step. */
-static PetscErrorCode CreateM(const Nodal *x, Mat *M)
+/* A program from n registers, from first on, to nout others. */
+static void FromTo(MpmStepProgram *program, PetscInt first, PetscInt n, PetscInt to, PetscInt nout)
 {
-  const MpmNodalPlan *plan = x->plan;
-  MpmStepProgram     *program;
+  MpmRegisters *r = &program->registers;
+
+  r->nin  = n;
+  r->nout = nout;
+  for (PetscInt i = 0; i < n; i++) r->in[i] = first + i;
+  for (PetscInt i = 0; i < nout; i++) r->out[i] = to + i;
+}
+
+/* Appends dst += op src, an operation of the table between particles and nodes. */
+static PetscErrorCode Append(Nodal *x, const MpmOp *op, PetscInt power, PetscInt dst, PetscInt src,
+                             MpmStepProgram *program)
+{
+  MpmLine line = {.dst = dst, .src = src, .power = power, .factor = op->factor, .accumulates = PETSC_TRUE};
 
   PetscFunctionBegin;
-  PetscCall(Begin(x, plan->program->n, &program));
-  program->registers.nin = program->registers.nout = plan->nimages;
-  for (PetscInt g = 0; g < plan->nimages; g++) {
-    program->registers.in[g]  = plan->nstate + g;
-    program->registers.out[g] = plan->nstate + plan->next[g];
-  }
-  PetscCall(MpmStepProgramAssemble(program, PETSC_TRUE, M));
-  PetscCall(MpmStepProgramDestroy(&program));
+  PetscCall(MpmMapsGet(&x->maps, op, &line.map));
+  PetscCall(MpmStepProgramAppend(program, line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Z: the images of the state. */
-static PetscErrorCode CreateZ(Nodal *x, Mat *Z)
+/* M: what the slots of the images hold after the step. Z: the images of the state. B: what a step adds to the state. */
+static PetscErrorCode CreateMatrices(Nodal *x, MpmReduced *r)
 {
   const MpmNodalPlan *plan = x->plan;
-  MpmStepProgram     *program;
+  const PetscInt      n = plan->nstate, images = plan->nimages;
+  MpmStepProgram     *M, *Z, *B;
 
   PetscFunctionBegin;
-  PetscCall(Begin(x, 0, &program));
-  program->registers.nin  = plan->nstate;
-  program->registers.nout = plan->nimages;
-  for (PetscInt f = 0; f < plan->nstate; f++) program->registers.in[f] = f;
-  for (PetscInt g = 0; g < plan->nimages; g++) {
-    program->registers.out[g] = plan->nstate + g;
-    for (PetscInt i = 0; i < plan->image[g].n; i++) {
-      const MpmOp *op   = &plan->image[g].term[i];
-      MpmLine      line = {.dst = plan->nstate + g, .src = op->src, .factor = op->factor, .accumulates = PETSC_TRUE};
-
-      PetscCall(MpmMapsGet(&x->maps, op, &line.map));
-      PetscCall(MpmStepProgramAppend(program, line));
-    }
-  }
-  PetscCall(MpmStepProgramAssemble(program, PETSC_FALSE, Z));
-  PetscCall(MpmStepProgramDestroy(&program));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* B: what a step adds to the state. */
-static PetscErrorCode CreateB(Nodal *x, Mat *B)
-{
-  const MpmNodalPlan *plan = x->plan;
-  MpmStepProgram     *program;
-
-  PetscFunctionBegin;
-  PetscCall(Begin(x, plan->nlines_sent, &program));
-  program->registers.nin  = plan->nimages;
-  program->registers.nout = plan->nstate;
-  for (PetscInt g = 0; g < plan->nimages; g++) program->registers.in[g] = plan->nstate + g;
-  for (PetscInt f = 0; f < plan->nstate; f++) program->registers.out[f] = f;
-  for (PetscInt i = 0; i < plan->nsent; i++) {
-    const MpmOp *op   = &plan->sent[i].op;
-    MpmLine      line = {.dst         = op->dst,
-                         .src         = plan->nstate + plan->sent[i].slot,
-                         .power       = op->coefficient,
-                         .factor      = op->factor,
-                         .accumulates = PETSC_TRUE};
-
-    PetscCall(MpmMapsGet(&x->maps, op, &line.map));
-    PetscCall(MpmStepProgramAppend(program, line));
-  }
-  PetscCall(MpmStepProgramMatrix(program, NULL, B));
-  PetscCall(MpmStepProgramDestroy(&program));
+  PetscCall(Begin(x, plan->program->n, &M));
+  FromTo(M, n, images, n, images);
+  for (PetscInt g = 0; g < images; g++) M->registers.out[g] = n + plan->next[g];
+  PetscCall(MpmStepProgramAssemble(M, PETSC_TRUE, &r->M));
+  PetscCall(MpmStepProgramDestroy(&M));
+  PetscCall(Begin(x, 0, &Z));
+  FromTo(Z, 0, n, n, images);
+  for (PetscInt g = 0; g < images; g++)
+    for (const MpmOp *op = plan->image[g].term; op < plan->image[g].term + plan->image[g].n; op++)
+      PetscCall(Append(x, op, 0, n + g, op->src, Z));
+  PetscCall(MpmStepProgramAssemble(Z, PETSC_FALSE, &r->Z));
+  PetscCall(MpmStepProgramDestroy(&Z));
+  PetscCall(Begin(x, plan->nlines_sent, &B));
+  FromTo(B, n, images, 0, n);
+  for (const MpmNodalSent *s = plan->sent; s < plan->sent + plan->nsent; s++)
+    PetscCall(Append(x, &s->op, s->op.coefficient, s->op.dst, n + s->slot, B));
+  PetscCall(MpmStepProgramMatrix(B, NULL, &r->B));
+  PetscCall(MpmStepProgramDestroy(&B));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -192,14 +172,22 @@ PetscErrorCode MpmNodalMatrixUnknowns(const MpmLayout *layout, const MpmScheme *
 
 /* ---- all of it ---- */
 
+/* The reciprocals of a vector. */
+static PetscErrorCode Inverse(Vec unit, Vec *inverse)
+{
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(unit, inverse));
+  PetscCall(VecCopy(unit, *inverse));
+  PetscCall(VecReciprocal(*inverse));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Balance(Vec unit, MpmReduced *r)
 {
   Vec inverse;
 
   PetscFunctionBegin;
-  PetscCall(VecDuplicate(unit, &inverse));
-  PetscCall(VecCopy(unit, inverse));
-  PetscCall(VecReciprocal(inverse));
+  PetscCall(Inverse(unit, &inverse));
   PetscCall(MatDiagonalScale(r->B, unit, NULL));
   PetscCall(MatDiagonalScale(r->Z, NULL, inverse));
   PetscCall(VecDestroy(&inverse));
@@ -220,15 +208,13 @@ static PetscErrorCode BalanceNodes(const Nodal *x, MpmReduced *r)
 
   PetscFunctionBegin;
   PetscCall(VecDuplicate(r->kept_small, &unit));
-  PetscCall(VecDuplicate(r->kept_small, &inverse));
   PetscCall(VecGetArrayRead(x->maps.masses, &mass));
   PetscCall(VecGetArrayWrite(unit, &d));
   for (PetscInt i = 0; i < images * x->sizes.nodes; i++)
     d[i] = mass[i / images] > 0 ? exp2(rint(log2(mass[i / images]) / 2)) : 1;
   PetscCall(VecRestoreArrayWrite(unit, &d));
   PetscCall(VecRestoreArrayRead(x->maps.masses, &mass));
-  PetscCall(VecCopy(unit, inverse));
-  PetscCall(VecReciprocal(inverse));
+  PetscCall(Inverse(unit, &inverse));
   PetscCall(MatDiagonalScale(r->M, unit, inverse));
   PetscCall(MatDiagonalScale(r->Z, unit, NULL));
   PetscCall(MatDiagonalScale(r->B, NULL, inverse));
@@ -257,9 +243,7 @@ PetscErrorCode MpmNodalMatrixCreate(MPI_Comm comm, const MpmLayout *layout, cons
   for (PetscInt g = 0; g < x.plan->nimages; g++) c[g] = x.plan->image[g].c;
   PetscCall(Diagonal(comm, x.plan->nstate, x.plan->kept, x.sizes.particles, &r->kept));
   PetscCall(Diagonal(comm, x.plan->nimages, c, x.sizes.nodes, &r->kept_small));
-  PetscCall(CreateM(&x, &r->M));
-  PetscCall(CreateZ(&x, &r->Z));
-  PetscCall(CreateB(&x, &r->B));
+  PetscCall(CreateMatrices(&x, r));
   if (unit) PetscCall(Balance(unit, r));
   if (layout->varies[MPM_MASS]) PetscCall(BalanceNodes(&x, r));
   for (PetscInt m = 0; m < x.plan->nmaps; m++) PetscCall(MatDestroy(&x.map[m]));

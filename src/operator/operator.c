@@ -5,7 +5,7 @@
 #include "base/power_of_two.h"
 #include "march/march_private.h"
 #include "operator/given.h"
-#include "program/steps_matrix.h"
+#include "program/program.h"
 #include "scene/layout.h"
 #include "scene/material.h"
 #include <mpmstab/operator.h>
@@ -96,6 +96,7 @@ static PetscErrorCode CheckMaps(MPI_Comm comm, const MpmOperator *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The operator as a matrix. */
 static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
 {
   static PetscClassId  id; /* registered once, because some tasks assemble thousands */
@@ -104,6 +105,7 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
   MpmSlab              slab;
 
   PetscFunctionBegin;
+  PetscCall(CheckMatrix(comm, op));
   if (!id) {
     PetscCall(PetscClassIdRegister("MpmOperator", &id));
     PetscCall(PetscLogEventRegister("MpmAssemble", id, &event));
@@ -224,15 +226,6 @@ static PetscErrorCode Balance(MpmOperator *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The operator as a matrix. */
-static PetscErrorCode CreateMatrix(MPI_Comm comm, MpmOperator *op)
-{
-  PetscFunctionBegin;
-  PetscCall(CheckMatrix(comm, op));
-  PetscCall(Assemble(comm, op));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The operator as the maps of its steps. */
 static PetscErrorCode CreateShell(MPI_Comm comm, MpmOperator *op)
 {
@@ -280,7 +273,7 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
   o->assembled = layout->dim == 1 || o->order <= MPM_MATRIX_ORDER ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(MpmStepPeriod(step, &o->period));
   o->parts = o->period;
-  PetscCall(o->assembled ? CreateMatrix(comm, o) : CreateShell(comm, o));
+  PetscCall(o->assembled ? Assemble(comm, o) : CreateShell(comm, o));
   PetscCall(Balance(o));
   PetscCall(MpmOperatorCount(o));
   o->assemble_s = MPI_Wtime() - begin;

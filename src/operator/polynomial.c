@@ -7,7 +7,7 @@
 */
 #include "base/power_of_two.h"
 #include "operator/polynomial.h"
-#include "program/steps_matrix.h"
+#include "program/program.h"
 #include <mpmstab/operator.h>
 #include <petscblaslapack.h>
 #include <math.h>

@@ -112,9 +112,8 @@ static PetscErrorCode Masses(MpmMaps *maps)
 /* The matrix of a map between particles and nodes. */
 static PetscErrorCode Between(MpmMaps *maps, MpmOpKind kind, PetscInt axis, const MpmParity parity[], Mat *map)
 {
-  Mat        shape;
-  Vec        inverse;
-  PetscReal *m;
+  Mat shape;
+  Vec inverse;
 
   PetscFunctionBegin;
   if (MpmOpTraitsOf(kind).dst == MPM_ON_PARTICLES) {
@@ -125,9 +124,7 @@ static PetscErrorCode Between(MpmMaps *maps, MpmOpKind kind, PetscInt axis, cons
   PetscCall(Masses(maps));
   PetscCall(VecDuplicate(maps->masses, &inverse));
   PetscCall(VecCopy(maps->masses, inverse));
-  PetscCall(VecGetArray(inverse, &m));
-  for (PetscInt i = 0; i < maps->slab->nodes; i++) m[i] = m[i] > 0 ? 1 / m[i] : 0;
-  PetscCall(VecRestoreArray(inverse, &m));
+  PetscCall(VecReciprocal(inverse)); /* of the numbers that are not 0 */
   PetscCall(MatDiagonalScale(shape, NULL, inverse));
   PetscCall(MatTranspose(shape, MAT_INITIAL_MATRIX, map));
   PetscCall(VecDestroy(&inverse));

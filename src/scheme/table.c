@@ -4,7 +4,6 @@
 */
 #include "scheme/language.h"
 #include "scheme/table_builder.h"
-#include "scheme/table_check.h"
 #include <mpmstab/errors.h>
 
 const char *const MpmGradientNames[]   = {"basis", "mls", NULL};

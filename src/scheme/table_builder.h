@@ -65,9 +65,14 @@ PetscBool MpmBuilderIsAhead(const MpmTableBuilder *b, PetscInt field);
 /* Not collective. The number of registers of a field. */
 PetscInt MpmBuilderComponents(const MpmTableBuilder *b, PetscBool on_nodes, PetscInt field);
 
-/* Not collective. Adds the registers of the state, the scratch that the space needs, and those of the nodes. */
+/*
+   Not collective. MpmBuilderAddRegisters adds the registers of the state, the scratch that the space needs, and those of
+   the nodes. MpmBuilderAddComponents adds those of a field of the state, whose names end in the directions where there
+   are several: v_x, s_xy. whole: a tensor is not symmetric.
+*/
 PetscErrorCode MpmBuilderAddRegisters(MpmTableBuilder *b);
-PetscErrorCode MpmBuilderAddState(MpmTable *table, const char name[], PetscInt field, PetscInt component);
+PetscErrorCode MpmBuilderAddComponents(MpmTable *table, const char name[], PetscInt field, MpmRank rank,
+                                       PetscBool whole);
 
 /*
    Not collective. MpmBuilderImposeWithReaction sets a node register to 0 at ends with a reaction, and keeps its values
@@ -117,3 +122,10 @@ PetscErrorCode MpmFiniteGrad(MpmTableBuilder *b, const MpmOp *op, PetscBool begi
 PetscErrorCode MpmFiniteMove(MpmTableBuilder *b);
 PetscErrorCode MpmFiniteBefore(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteAfter(MpmTableBuilder *b, PetscInt o);
+
+/*
+   MpmTableCheck - refuses (PETSC_ERR_SUP) a table that the interpreters do not support; MpmTableCreate says what that is.
+
+   Not collective.
+*/
+PetscErrorCode MpmTableCheck(const MpmTable *table);

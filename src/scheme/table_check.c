@@ -1,5 +1,5 @@
 /* What the interpreters of a table support. A table that they would get wrong is refused when it is made. */
-#include "scheme/table_check.h"
+#include "scheme/table_builder.h"
 
 #define SUPPORTED(condition, o, why)                                                                                   \
   PetscCheck(condition, PETSC_COMM_SELF, PETSC_ERR_SUP, "operation %" PetscInt_FMT " of the table: %s", o, why)

@@ -29,18 +29,12 @@
 
 PetscErrorCode MpmFiniteAddState(MpmTableBuilder *b, PetscInt field)
 {
-  static const char axes[] = "xyz";
-  MpmTable         *t      = b->table;
-  char              name[16];
+  MpmTable *t = b->table;
 
   PetscFunctionBegin;
   PetscCheck(t->stretch == MPM_NONE, PETSC_COMM_SELF, PETSC_ERR_SUP, "the table: two stresses at finite deformation");
   t->stretch = t->nstate;
-  for (PetscInt a = 0; a < t->dim; a++)
-    for (PetscInt c = 0; c < t->dim; c++) {
-      PetscCall(PetscSNPrintf(name, sizeof name, t->dim == 1 ? "f" : "f_%c%c", axes[a], axes[c]));
-      PetscCall(MpmBuilderAddState(t, name, MPM_STRETCHED, t->dim * a + c));
-    }
+  PetscCall(MpmBuilderAddComponents(t, "f", MPM_STRETCHED, MPM_TENSOR, PETSC_TRUE));
   b->particle[field] = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -90,7 +90,7 @@ PetscErrorCode MpmTableScratch(MpmTable *t, PetscInt *particle)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmBuilderAddState(MpmTable *t, const char name[], PetscInt field, PetscInt component)
+static PetscErrorCode AddState(MpmTable *t, const char name[], PetscInt field, PetscInt component)
 {
   const PetscInt r = t->nstate;
 
@@ -120,59 +120,59 @@ PetscInt MpmBuilderComponents(const MpmTableBuilder *b, PetscBool on_nodes, Pets
                             on_nodes ? b->formulation->node_ranks[field] : b->formulation->particle_ranks[field]);
 }
 
-/* The registers of a field of the state. Their names end in the directions where there are several: v_x, s_xy. */
-static PetscErrorCode AddField(MpmTableBuilder *b, PetscInt field)
+PetscErrorCode MpmBuilderAddComponents(MpmTable *t, const char name[], PetscInt field, MpmRank rank, PetscBool whole)
 {
-  static const char     axes[] = "xyz";
-  const MpmFormulation *f      = b->formulation;
-  const PetscInt        n = MpmBuilderComponents(b, PETSC_FALSE, field), dim = b->space->dim;
-  char                  name[16];
+  static const char axes[] = "xyz";
+  const PetscInt    dim    = t->dim;
 
   PetscFunctionBegin;
-  if (b->space->finite && f->particle_ranks[field] == MPM_TENSOR) {
+  for (PetscInt c = 0; c < (rank == MPM_SCALAR ? 1 : rank == MPM_VECTOR ? dim : dim * dim); c++) {
+    const PetscInt a = rank == MPM_VECTOR ? c : c / dim, e = c % dim;
+    char           full[16];
+
+    if (rank == MPM_TENSOR && !whole && e < a) continue;
+    if (rank == MPM_SCALAR || dim == 1)
+      PetscCall(PetscSNPrintf(full, sizeof full, "%s", name));
+    else if (rank == MPM_VECTOR)
+      PetscCall(PetscSNPrintf(full, sizeof full, "%s_%c", name, axes[a]));
+    else
+      PetscCall(PetscSNPrintf(full, sizeof full, "%s_%c%c", name, axes[a], axes[e]));
+    PetscCall(AddState(t, full, field, rank == MPM_TENSOR && !whole ? MpmStressComponent(dim, a, e) : c));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The registers of a field of the state. */
+static PetscErrorCode AddField(MpmTableBuilder *b, PetscInt field)
+{
+  const MpmFormulation *f    = b->formulation;
+  const MpmRank         rank = f->particle_ranks[field];
+
+  PetscFunctionBegin;
+  if (b->space->finite && rank == MPM_TENSOR) {
     PetscCall(MpmFiniteAddState(b, field));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   b->particle[field] = b->table->nstate;
-  if (n == 1)
-    PetscCall(MpmBuilderAddState(b->table, f->particle_fields[field], field, 0));
-  else if (f->particle_ranks[field] == MPM_VECTOR)
-    for (PetscInt a = 0; a < dim; a++) {
-      PetscCall(PetscSNPrintf(name, sizeof name, "%s_%c", f->particle_fields[field], axes[a]));
-      PetscCall(MpmBuilderAddState(b->table, name, field, a));
-    }
-  else
-    for (PetscInt a = 0; a < dim; a++)
-      for (PetscInt c = a; c < dim; c++) {
-        PetscCall(PetscSNPrintf(name, sizeof name, "%s_%c%c", f->particle_fields[field], axes[a], axes[c]));
-        PetscCall(MpmBuilderAddState(b->table, name, field, MpmSpaceStress(b->space, a, c)));
-      }
+  PetscCall(MpmBuilderAddComponents(b->table, f->particle_fields[field], field,
+                                    MpmBuilderComponents(b, PETSC_FALSE, field) == 1 ? MPM_SCALAR : rank, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The displacement of particles: x, or x_x, x_y, x_z. */
 static PetscErrorCode AddDisplacement(MpmTableBuilder *b)
 {
-  static const char axes[] = "xyz";
-  MpmTable         *t      = b->table;
-  char              name[16];
+  MpmTable *t = b->table;
 
   PetscFunctionBegin;
-  t->displacement = MPM_NONE;
-  if (!b->space->displaced) PetscFunctionReturn(PETSC_SUCCESS);
-  t->displacement = t->nstate;
-  for (PetscInt a = 0; a < t->dim; a++) {
-    PetscCall(PetscSNPrintf(name, sizeof name, t->dim == 1 ? "x" : "x_%c", axes[a]));
-    PetscCall(MpmBuilderAddState(t, name, MPM_DISPLACEMENT, a));
-  }
+  t->displacement = b->space->displaced ? t->nstate : MPM_NONE;
+  if (b->space->displaced) PetscCall(MpmBuilderAddComponents(t, "x", MPM_DISPLACEMENT, MPM_VECTOR, PETSC_FALSE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode AddAffinePart(MpmTableBuilder *b)
 {
-  static const char axes[] = "xyz";
-  MpmTable         *t      = b->table;
-  char              name[16];
+  MpmTable *t = b->table;
 
   PetscFunctionBegin;
   t->affine = MPM_NONE;
@@ -181,12 +181,8 @@ static PetscErrorCode AddAffinePart(MpmTableBuilder *b)
   t->affine      = b->particle[b->formulation->affine];
   t->affine_part = t->nstate;
   t->affine_map  = b->transfer->taylor ? MPM_G2P_SLOPE : MPM_G2P_AFFINE;
-  for (PetscInt a = 0; a < t->dim; a++)
-    for (PetscInt axis = 0; axis < t->dim; axis++) {
-      PetscCall(PetscSNPrintf(name, sizeof name, t->dim == 1 ? "c" : "c_%c%c", axes[a], axes[axis]));
-      t->filtered[t->nstate] = PETSC_TRUE;
-      PetscCall(MpmBuilderAddState(t, name, MPM_NONE, t->dim * a + axis));
-    }
+  PetscCall(MpmBuilderAddComponents(t, "c", MPM_NONE, MPM_TENSOR, PETSC_TRUE));
+  for (PetscInt r = t->affine_part; r < t->nstate; r++) t->filtered[r] = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

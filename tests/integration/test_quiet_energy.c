@@ -9,7 +9,7 @@
 */
 #include "check.h"
 #include "gather.h"
-#include "program/steps_matrix.h"
+#include "program/program.h"
 #include "singular.h"
 #include <mpmstab/critical.h>
 #include <mpmstab/march.h>

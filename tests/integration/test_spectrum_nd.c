@@ -4,7 +4,7 @@
    leading modes, or those of largest magnitude; and what did not converge is undecided.
 */
 #include "spectra.h"
-#include "program/steps_matrix.h"
+#include "program/program.h"
 
 static void SetRandom(PetscInt n, PetscReal x[])
 {
