@@ -21,6 +21,12 @@ typedef struct MpmScene_ MpmScene;
 */
 typedef void (*MpmBodyForce)(const MpmScene *scene, const PetscReal X[], PetscReal t, PetscReal force[]);
 
+/*E
+   MpmStepBound - the bounds of a step that a run chooses (mpmstab/step_bound.h); the words of the option step_bound
+E*/
+typedef enum { MPM_STEP_LANCZOS, MPM_STEP_PARTICLE, MPM_STEP_LONE } MpmStepBound;
+extern const char *const MpmStepBoundNames[];
+
 /*S
    MpmScene_ - one problem. Length and time are in units of the user's choice; everything else follows from them
    (docs/theory.md, section 1).
@@ -32,8 +38,9 @@ typedef void (*MpmBodyForce)(const MpmScene *scene, const PetscReal X[], PetscRe
    density              - of the material; 0: not given, and nothing depends on it
    physical             - the user gave units: density, a modulus, sound_speed, cell_width or dt
    has_step             - the user gave a time step or a Courant number; else they are those of the default
-   safety               - 0: all steps are alike. Else a run chooses each step by the fastest waves at any particle, and takes
-                          this part of the largest stable one; step and dt are then those of the default Courant number.
+   safety               - 0: all steps are alike. Else a run chooses each step, and takes this part of the largest stable one;
+                          step and dt are then those of the default Courant number.
+   step_bound           - the bound of the largest stable step that such a run takes
    initial, mode, amplitude - the initial data, the number of waves of their Fourier mode in each direction, and their
                           size. With initial data eigenmode mode[0] is the number of the eigenvector.
    polarisation         - which way the material moves in a mode
@@ -55,6 +62,7 @@ struct MpmScene_ {
   PetscInt        mode[MPM_MAX_DIM];
   PetscReal       length[MPM_MAX_DIM], cell_width, wave_speed, dt, safety, density, amplitude;
   MpmInitial      initial;
+  MpmStepBound    step_bound;
   PetscBool       stagger, physical, has_step;
   MpmPolarisation polarisation;
   MpmWritten     *written;

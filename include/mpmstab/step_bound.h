@@ -4,6 +4,11 @@
 
 #define MPM_STEP_BOUND_PRODUCTS 20
 
+/*E
+   MpmBoundKind - the bounds; MPM_BOUNDS all of them
+E*/
+typedef enum { MPM_BOUND_LONE = 1, MPM_BOUND_PARTICLE = 2, MPM_BOUND_LANCZOS = 4, MPM_BOUNDS = 7 } MpmBoundKind;
+
 /*S
    MpmStepBounds - Courant numbers up to which no state of the particles at rest, where they are, grows. M^-1 K is the
    operator of the nodes, K = sum_p V_p B_p^T C B_p with the moduli and volumes of now, M the lumped masses. lambda is its
@@ -19,7 +24,8 @@
               particle, of which a rank sets its own
    nodes    - the nodal unknowns
    products - how many were taken
-   sweeps, chance, seed - what was asked for; seed: of the random vector
+   moduli   - NULL: those at rest; else E_p of each of this rank's particles, the square of its wave speed over c
+   kinds, sweeps, chance, seed - what was asked for; kinds: a sum of MpmBoundKind; seed: of the random vector
 
    Source: docs/theory.md, section 4.
 S*/
@@ -33,7 +39,9 @@ typedef struct {
   PetscReal   factor, lone, particle, swept, lanczos, estimate, chance;
   MpmDecider  lone_at, particle_at;
   PetscInt64  nodes, seed;
-  PetscInt    products, sweeps;
+  PetscInt    products, sweeps, kinds;
+
+  const PetscReal *moduli;
 } MpmStepBounds;
 
 /*
@@ -43,7 +51,7 @@ typedef struct {
 
    Input Parameters:
 +  march  - a march; its state is not changed
--  bounds - with sweeps, chance and seed
+-  bounds - with moduli, kinds, sweeps, chance and seed
 
    Output Parameter: bounds - the rest of it
 */

@@ -303,7 +303,8 @@ static PetscErrorCode FindBounds(const MpmCriticalCase *of, MpmCritical *c)
   PetscFunctionBegin;
   PetscCall(MpmMarchCreateRandom(c->too_large ? PETSC_COMM_WORLD : PETSC_COMM_SELF, of->layout, of->scheme, &of->step,
                                  1, &march));
-  c->bounds  = (MpmStepBounds){.sweeps = of->sweeps, .chance = of->chance, .seed = of->layout->seed};
+  c->bounds =
+      (MpmStepBounds){.kinds = MPM_BOUNDS, .sweeps = of->sweeps, .chance = of->chance, .seed = of->layout->seed};
   c->bounded = of->chance > 0 ? PETSC_TRUE : PETSC_FALSE;
   if (c->bounded) c->bounds.why_not = MpmStepBoundWhyNot(of->layout, of->scheme, &of->step);
   if (of->each) {

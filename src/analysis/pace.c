@@ -15,6 +15,16 @@
 #define SAME_TIME 1e-12
 #define TOLERANCE 1e-6 /* growth per step above 1 + TOLERANCE counts */
 
+/*
+   Cells that particles may move until P is looked at anew and until a new certificate, for hats and for others; what P may
+   fall to until then, and how many times slower the fastest waves may become until P is looked at: others may decide then.
+   scripts/step_moved.py measured what the limit falls to meanwhile.
+*/
+#define LOOK(basis) ((basis)->hat ? 0.05 : 0.25)
+#define LIFE(basis) ((basis)->hat ? 1 : 4)
+#define FALLS 0.9
+#define FADES 1.05
+
 const char *const MpmPaceReasonNames[] = {"waves", "motion", "end"};
 
 /* ---- the limit of the linear scheme ---- */
@@ -113,7 +123,8 @@ static PetscErrorCode LimitAtRest(const MpmScene *scene, PetscReal *limit, MpmNe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPaceCreate(const MpmScene *scene, const MpmRequest *request, MpmPace **pace)
+/* K where no bound is known. */
+static PetscErrorCode FindAtRest(const MpmScene *scene, MpmPace *pace)
 {
   MpmNeighbourhoodKind where;
   PetscReal            limit;
@@ -129,18 +140,40 @@ PetscErrorCode MpmPaceCreate(const MpmScene *scene, const MpmRequest *request, M
       isnan(limit) ? "where the limit is undecided"
       : limit > 0  ? "where all are stable"
                    : "where none is stable");
+  pace->where      = where;
+  pace->held.limit = pace->held.first = limit;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPaceCreate(const MpmScene *scene, const MpmRequest *request, MpmPace **pace)
+{
+  const MpmStep rest = {.courant = 1};
+
+  PetscFunctionBegin;
   PetscCall(PetscNew(pace));
-  **pace = (MpmPace){.limit = limit, .where = where, .end = INFINITY, .least = INFINITY, .fastest = NAN, .motion = NAN};
+  **pace = (MpmPace){.end     = INFINITY,
+                     .least   = INFINITY,
+                     .fastest = NAN,
+                     .motion  = NAN,
+                     .number  = NAN,
+                     .chance  = request->step_bound_chance};
   if (request->end > 0) (*pace)->end = request->end * scene->wave_speed / scene->cell_width;
-  (*pace)->expected = request->end > 0 ? ceil((*pace)->end / (scene->safety * limit)) : (PetscReal)request->steps;
+  (*pace)->why_not = MpmStepBoundWhyNot(&scene->layout, &scene->scheme, &rest);
+  if ((*pace)->why_not) PetscCall(FindAtRest(scene, *pace));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmPaceDestroy(MpmPace **pace)
 {
   PetscFunctionBegin;
+  if (*pace) PetscCall(PetscFree((*pace)->moduli));
   PetscCall(PetscFree(*pace));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const char *MpmPaceLimitName(const MpmPace *pace)
+{
+  return pace->why_not ? MpmNeighbourhoodNames[pace->where] : MpmStepBoundNames[pace->by];
 }
 
 /* ---- the next step ---- */
@@ -150,8 +183,8 @@ PetscBool MpmPaceIsOver(const MpmPace *pace, const MpmMarch *march)
   return march->elapsed >= pace->end * (1 - SAME_TIME) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* The largest speeds of waves and of particles along an axis, over c. */
-static PetscErrorCode LargestSpeeds(const MpmMarch *march, PetscReal speed[2])
+/* The largest speeds of waves and of particles along an axis, over c, and the squares of the speeds of waves at all. */
+static PetscErrorCode LargestSpeeds(const MpmMarch *march, PetscReal **moduli, PetscReal speed[2])
 {
   const MpmTable  *t   = march->scheme->table;
   const PetscInt   dim = t->dim, n = march->particles->count;
@@ -159,17 +192,19 @@ static PetscErrorCode LargestSpeeds(const MpmMarch *march, PetscReal speed[2])
 
   PetscFunctionBegin;
   speed[0] = speed[1] = 0;
+  PetscCall(PetscFree(*moduli));
+  PetscCall(PetscMalloc1(n, moduli));
   for (PetscInt c = 0; c < dim * dim; c++)
     PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
   for (PetscInt p = 0; p < n; p++) {
     PetscReal at[MPM_MAX_DIM * MPM_MAX_DIM];
 
     for (PetscInt c = 0; c < dim * dim; c++) at[c] = F[c][p];
-    speed[0] = PetscMax(speed[0], MpmMaterialSpeed(&t->material, dim, at));
+    (*moduli)[p] = fmax(MpmMaterialModulus(&t->material, dim, at), 0) * march->scheme->space.stiffness;
+    speed[0]     = PetscMax(speed[0], sqrt((*moduli)[p]));
   }
   for (PetscInt c = 0; c < dim * dim; c++)
     PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
-  speed[0] *= sqrt(march->scheme->space.stiffness);
   for (PetscInt r = 0; r < t->nstate; r++) {
     if (t->field[r] == MPM_STRETCHED || t->field[r] == MPM_NONE) continue;
     PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
@@ -181,18 +216,119 @@ static PetscErrorCode LargestSpeeds(const MpmMarch *march, PetscReal speed[2])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Finds bounds of a march's particles; value: that of the kind. */
+static PetscErrorCode Bound(const MpmPace *pace, MpmMarch *march, MpmBoundKind kind, MpmStepBounds *b, PetscReal *value)
+{
+  PetscFunctionBegin;
+  *b = (MpmStepBounds){
+      .kinds = kind, .moduli = pace->moduli, .chance = pace->chance, .seed = march->layout->seed + march->step};
+  PetscCall(MpmStepBoundsFind(march, b));
+  *value = kind == MPM_BOUND_LONE ? b->lone : kind == MPM_BOUND_PARTICLE ? b->particle : b->lanczos;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A certificate where there is none that holds. */
+static PetscErrorCode Certify(MpmPace *pace, MpmMarch *march, PetscReal particle)
+{
+  MpmPaceHeld  *h = &pace->held;
+  MpmStepBounds b;
+
+  PetscFunctionBegin;
+  if (h->certified > 0 && h->way <= LIFE(march->scheme->basis) &&
+      particle * pace->fastest >= FALLS * h->particle * h->fastest)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Bound(pace, march, MPM_BOUND_LANCZOS, &b, &h->certified));
+  h->particle = particle;
+  h->fastest  = pace->fastest;
+  h->way      = 0;
+  h->certificates++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Looks at the bound of the particles as they stand. Where no waves travel at all there is none, and K stays. */
+static PetscErrorCode Look(MpmPace *pace, MpmMarch *march)
+{
+  const MpmStepBound asked = march->scene->step_bound;
+  MpmPaceHeld       *h     = &pace->held;
+  MpmStepBounds      b;
+  PetscReal          limit;
+
+  PetscFunctionBegin;
+  if (!(pace->fastest > 0)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Bound(pace, march, asked == MPM_STEP_LONE ? MPM_BOUND_LONE : MPM_BOUND_PARTICLE, &b, &pace->number));
+  pace->at = asked == MPM_STEP_LONE ? b.lone_at : b.particle_at;
+  pace->by = asked;
+  limit    = pace->number * pace->fastest;
+  if (asked == MPM_STEP_LANCZOS) {
+    PetscReal certified;
+
+    PetscCall(Certify(pace, march, pace->number));
+    certified = h->certified * PetscMin(h->fastest, pace->number * pace->fastest / h->particle);
+    pace->by  = certified > limit ? MPM_STEP_LANCZOS : MPM_STEP_PARTICLE;
+    limit     = PetscMax(limit, certified);
+  }
+  limit = rint(limit * DIGITS) / DIGITS;
+  MpmCheckInput(limit > 0,
+                "courant auto: bound %s allows no step at step %" PetscInt64_FMT ", since particle %" PetscInt64_FMT
+                " meets a node; allowed: step_bound particle or lanczos",
+                MpmStepBoundNames[asked], march->step + 1, pace->at.id);
+  h->limit = limit;
+  h->seen  = 0;
+  h->waves = pace->fastest;
+  h->looks++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Whether the bound of the last look may not hold any more. */
+static PetscBool IsOld(const MpmPace *pace, const MpmMarch *march)
+{
+  const MpmPaceHeld *h = &pace->held;
+
+  return march->scene->step_bound != MPM_STEP_LANCZOS || h->looks == 0 || h->seen > LOOK(march->scheme->basis) ||
+                 pace->fastest * FADES < h->waves
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+static PetscErrorCode Speeds(MpmPace *pace, const MpmMarch *march)
+{
+  PetscReal speed[2];
+
+  PetscFunctionBegin;
+  PetscCall(LargestSpeeds(march, &pace->moduli, speed));
+  pace->fastest = speed[0];
+  pace->motion  = speed[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *request)
+{
+  MpmPaceHeld *h = &pace->held;
+
+  PetscFunctionBegin;
+  if (!pace->why_not && h->looks == 0) {
+    PetscCall(Speeds(pace, march));
+    PetscCall(Look(pace, march));
+    MpmCheckInput(h->looks > 0, "courant auto: no waves travel at the start; allowed: a number");
+    h->first = h->limit;
+  }
+  pace->expected = request->end > 0 ? ceil(pace->end / (march->scene->safety * h->first)) : (PetscReal)request->steps;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
-   The Courant number of the next step. It follows from the state and the time alone, so that a run that resumes goes on as it
-   would have. Where no waves travel at all, the step of the start is taken.
+   The Courant number of the next step. It follows from the state, the time and what the pace holds, which checkpoints have, so
+   that a run that resumes goes on as it would have. Where no waves travel at all, the step of the start is taken.
 */
 static PetscReal Choose(MpmPace *pace, const MpmMarch *march)
 {
-  const PetscReal most = march->scene->safety * pace->limit, waves = pace->fastest > 0 ? most / pace->fastest : most;
+  const PetscReal most = march->scene->safety * pace->held.limit, first = march->scene->safety * pace->held.first;
+  const PetscReal waves  = pace->fastest > 0 ? most / pace->fastest : most;
   const PetscReal motion = FARTHEST / pace->motion, left = pace->end - march->elapsed;
   PetscReal       k = PetscMin(waves, motion);
 
   pace->reason = waves <= motion ? MPM_PACE_WAVES : MPM_PACE_MOTION;
-  k            = most * exp2(floor(MPM_PACE_LEVELS * log2(k / most) * (1 + PETSC_MACHINE_EPSILON)) / MPM_PACE_LEVELS);
+  k            = first * exp2(floor(MPM_PACE_LEVELS * log2(k / first) * (1 + PETSC_MACHINE_EPSILON)) / MPM_PACE_LEVELS);
   if (left >= 2 * k) return k;
   pace->reason = MPM_PACE_END;
   return left > k ? left / 2 : left; /* two steps share what is left, so that the last one is not tiny */
@@ -200,19 +336,27 @@ static PetscReal Choose(MpmPace *pace, const MpmMarch *march)
 
 PetscErrorCode MpmPaceStep(MpmPace *pace, MpmMarch *march, PetscInt64 *last)
 {
-  PetscReal speed[2], courant;
+  MpmPaceHeld *h = &pace->held;
+  PetscReal    courant;
 
   PetscFunctionBegin;
-  PetscCall(LargestSpeeds(march, speed));
-  pace->fastest = speed[0];
-  pace->motion  = speed[1];
-  courant       = Choose(pace, march);
+  PetscCall(Speeds(pace, march));
+  if (!pace->why_not && IsOld(pace, march)) PetscCall(Look(pace, march));
+  courant = Choose(pace, march);
   if (courant >= pace->end - march->elapsed) *last = PetscMin(*last, march->step + 1);
   if (courant != march->courant) {
     PetscCall(MpmMarchSetCourant(march, courant));
     PetscCall(MpmMarchStart(march));
     pace->changes += march->step > 0 ? 1 : 0;
   }
+  if (pace->reason != MPM_PACE_END && courant < pace->least && isfinite(pace->number)) {
+    h->id     = (PetscReal)pace->at.id;
+    h->number = pace->number;
+    h->step   = (PetscReal)march->step + 1;
+    PetscCall(PetscArraycpy(h->place, pace->at.place, march->layout->dim));
+  }
+  h->way += pace->motion * courant;
+  h->seen += pace->motion * courant;
   if (pace->reason != MPM_PACE_END) {
     pace->least   = PetscMin(pace->least, courant);
     pace->largest = PetscMax(pace->largest, courant);
@@ -234,7 +378,7 @@ PetscErrorCode MpmPaceTell(MpmPace *pace, const MpmMarch *march)
     MpmPrint("in which the fastest particle, of speed %.4g, moves at most %g of a cell\n",
              pace->motion * scene->wave_speed, FARTHEST);
   else
-    MpmPrint("%g of the largest stable step, %.6g h / c (%s), at the fastest waves, c = %.4g\n", scene->safety,
-             pace->limit, MpmNeighbourhoodNames[pace->where], pace->fastest * scene->wave_speed);
+    MpmPrint("%g of %.6g h / c (%s), at the fastest waves, c = %.4g\n", scene->safety, pace->held.limit,
+             MpmPaceLimitName(pace), pace->fastest * scene->wave_speed);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

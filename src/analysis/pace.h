@@ -1,16 +1,23 @@
 /*
-   Pace: a run that chooses its steps. Each is a part of the largest step that is stable where waves are as fast as at the
-   fastest of all particles:
+   Pace: a run that chooses its steps. Each is a part of a step that is stable for the particles as they stand:
 
      dt = safety K h / max_p c_p
 
-   c_p is the speed of P waves at the stretch of particle p, and K the largest stable Courant number of the linear scheme
-   with particles at rest in a uniform layout. Where there is a free surface it is that of a lone particle, or of a
-   half-space where a lone particle has no limit or none in closed form. Steps are rounded down to a power of 2^(1/MPM_PACE_LEVELS) times safety K h / c,
-   since each change of the step costs a sum over the grid.
+   c_p is the speed of P waves at the stretch of particle p. K c / max_p c_p is a bound of the largest stable step
+   (mpmstab/step_bound.h), with the moduli of now: lone or particle at each step; or a certificate by lanczos, which a watch by
+   particle follows. With k_0, P_0 and c_0 the certificate, bound particle and the fastest waves when it was made,
+
+     K = max(P c, k_0 min(c_0, c P / P_0))
+
+   where P is looked at anew when particles have moved so far that it may have changed. Formulations without a bound have the
+   K of the linear scheme with particles at rest in a uniform layout or, where there is a free surface, that of a lone particle,
+   or of a half-space where a lone particle has no limit. Steps are rounded down to a power of 2^(1/MPM_PACE_LEVELS) times the
+   first one, since each change of the step costs a sum over the grid. Source of the distances: docs/theory.md, section 10.
 */
 #pragma once
 #include "march/march_private.h"
+#include <mpmstab/critical.h>
+#include <mpmstab/step_bound.h>
 #include "scene/request.h"
 
 #define MPM_PACE_LEVELS 16
@@ -23,9 +30,30 @@ typedef enum { MPM_PACE_WAVES, MPM_PACE_MOTION, MPM_PACE_END, MPM_PACE_REASONS }
 extern const char *const MpmPaceReasonNames[];
 
 /*S
+   MpmPaceHeld - what the next step depends on besides the state; reals alone, which a checkpoint has in this order.
+
+   limit, first    - K, and that of the first step
+   certified, particle, fastest - k_0, P_0 and c_0; 0: there is no certificate
+   way, seen       - cells that the fastest particle has moved, at most, since the certificate and since the last look at P
+   waves           - the fastest waves at that look
+   certificates, looks - how many there were
+   id, place, number, step - the particle that decided P at the smallest step, its place in cells, P, and that step; step 0: none
+S*/
+typedef struct {
+  PetscReal limit, first, certified, particle, fastest, way, seen, waves, certificates, looks, id, place[MPM_MAX_DIM],
+      number, step;
+} MpmPaceHeld;
+#define MPM_PACE_HELD ((PetscInt)(sizeof(MpmPaceHeld) / sizeof(PetscReal)))
+
+/*S
    MpmPace - how a run has chosen its steps.
 
-   limit, where    - K, and where particles are that have it
+   held            - see there
+   why_not, where  - why no bound is known, and where particles are whose K is taken then; NULL: a bound is known
+   at              - the particle that decided P at the last look
+   by              - the bound that gave K then; number: that of P, or of bound lone
+   chance          - of a certificate
+   moduli          - of this rank's particles
    end             - the time of the end in units of h / c; infinite: the run ends after its steps
    expected        - the number of steps, about
    fastest, motion - the largest speeds of waves and of particles at the last step, over c
@@ -36,7 +64,11 @@ extern const char *const MpmPaceReasonNames[];
    told            - the step that was printed last
 S*/
 typedef struct {
-  PetscReal     limit, end, expected, fastest, motion, least, largest, told;
+  MpmPaceHeld   held;
+  const char   *why_not;
+  MpmStepBound  by;
+  MpmDecider    at;
+  PetscReal    *moduli, number, chance, end, expected, fastest, motion, least, largest, told;
   MpmPaceReason reason;
 
   MpmNeighbourhoodKind where;
@@ -51,14 +83,19 @@ static inline PetscBool MpmPaceHasChosen(const MpmPace *pace)
 }
 
 /*
-   MpmPaceCreate - finds K for a scene, and begins.
+   MpmPaceCreate - begins. Without a bound it finds K for the scene.
+   MpmPaceBegin  - finds the first bound of a march, unless a checkpoint had one, and so the number of steps
 
    Collective.
 
-   Errors: refuses (PETSC_ERR_USER_INPUT) a scheme that has no stable step, and one whose limit is not known.
+   Errors: refuse (PETSC_ERR_USER_INPUT) a scheme that has no stable step, and one whose limit is not known.
 */
 PetscErrorCode MpmPaceCreate(const MpmScene *scene, const MpmRequest *request, MpmPace **pace);
+PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *request);
 PetscErrorCode MpmPaceDestroy(MpmPace **pace);
+
+/* Not collective. What gave K at the last look: a bound or, without one, where particles are. */
+const char *MpmPaceLimitName(const MpmPace *pace);
 
 /* Not collective. Whether a march is at the end of the run. */
 PetscBool MpmPaceIsOver(const MpmPace *pace, const MpmMarch *march);

@@ -317,8 +317,9 @@ static PetscErrorCode Run(const MpmScene *scene, Loop *loop, MpmRun **run)
   r->last   = loop->request->steps;
   loop->run = r;
   if (scene->safety > 0) PetscCall(MpmPaceCreate(scene, loop->request, &r->pace));
-  loop->gap = scene->scheme.space.finite ? FiniteGap(loop) : SampleGap(scene, loop->request->steps);
   PetscCall(Begin(loop));
+  if (r->pace) PetscCall(MpmPaceBegin(r->pace, loop->march, loop->request));
+  loop->gap = scene->scheme.space.finite ? FiniteGap(loop) : SampleGap(scene, loop->request->steps);
   PetscCall(March(loop));
   PetscCall(Check(loop));
   if (c->end) PetscCall(c->end(c->context, r, loop->march));

@@ -52,6 +52,7 @@ static PetscErrorCode WritePace(MpmHdf5 *s, const MpmMarch *march, const MpmPace
 
   PetscFunctionBegin;
   for (MpmPaceReason r = 0; r < MPM_PACE_REASONS; r++) numbers[MPM_PACE_TAKEN + r] = (PetscReal)pace->taken[r];
+  PetscCall(PetscMemcpy(numbers + MPM_PACE_HOLDS, &pace->held, sizeof pace->held));
   PetscCall(FromFirst(s, "pace", H5T_NATIVE_DOUBLE, MPM_PACE_NUMBERS, numbers));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -361,6 +362,7 @@ static PetscErrorCode TakePace(const MpmCheckpoint *file, MpmMarch *march, MpmPa
   pace->largest  = numbers[MPM_PACE_LARGEST];
   pace->told     = numbers[MPM_PACE_TOLD];
   pace->changes  = (PetscInt64)numbers[MPM_PACE_CHANGES];
+  PetscCall(PetscMemcpy(&pace->held, numbers + MPM_PACE_HOLDS, sizeof pace->held));
   for (MpmPaceReason r = 0; r < MPM_PACE_REASONS; r++) pace->taken[r] = (PetscInt64)numbers[MPM_PACE_TAKEN + r];
   PetscCall(MpmMarchSetCourant(march, numbers[MPM_PACE_COURANT]));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -169,6 +169,9 @@ PetscErrorCode MpmCheckpointCheckPace(const MpmCheckpoint *file)
   PetscFunctionBegin;
   Allow(pace[MPM_PACE_ELAPSED] >= 0 && isfinite(pace[MPM_PACE_ELAPSED]), file->path, "its time is out of range");
   Allow(pace[MPM_PACE_COURANT] > 0 && isfinite(pace[MPM_PACE_COURANT]), file->path, "its last step is out of range");
+  for (PetscInt i = MPM_PACE_HOLDS; i < MPM_PACE_CHANGES; i++)
+    Allow(isfinite(pace[i]) && (i > MPM_PACE_HOLDS + 1 || pace[i] > 0), file->path,
+          "what it knows of steps is out of range");
   for (PetscInt i = MPM_PACE_CHANGES; i < MPM_PACE_NUMBERS; i++)
     Allow(pace[i] >= 0 && pace[i] <= (PetscReal)file->where[MPM_AT_STEP], file->path,
           "it counts more steps than it has taken");

@@ -19,7 +19,7 @@
 #include <mpmstab/step_bound.h>
 #include "base/hash.h"
 #include "march/march_private.h"
-#include "march/slopes.h"
+#include "march/stencils.h"
 #include "scheme/kernels.h"
 #include <math.h>
 
@@ -28,22 +28,17 @@
 #define SWEEPS 40       /* of rotations */
 #define SAME 1e-9       /* relative difference of particles that decide alike */
 
-/* What a pass over the particles needs. at: of the particle that is visited. */
+/* What a pass over the particles needs. */
 typedef struct {
   MpmMarch        *march;
-  MpmSlopes        slopes;
-  PetscInt         dim, components, own, n, *node;
-  PetscInt         whole[MPM_MAX_DIM], *cell[MPM_MAX_DIM];
-  PetscReal        part[MPM_MAX_DIM], *xi[MPM_MAX_DIM], *shape, *slope;
-  const PetscReal *mass, *volume, *stiffness;
+  MpmStencils      at;
+  PetscInt         dim, components, own;
+  const PetscReal *mass, *volume;
   PetscReal       *inverse, *sum[MPM_MAX_DIM], *field[MPM_MAX_DIM]; /* local arrays of the nodes */
-  PetscReal       *weight, *value;                                  /* u and lambda of each particle */
-  PetscReal        lambda, mu;
+  PetscReal       *weight, *value, *stiffness;                      /* u, lambda and modulus of each particle */
+  PetscReal        lambda, mu, *times;
+  PetscBool        loses; /* a particle has a slope at a node without mass: DIV is then not the adjoint of GRAD */
 } Pass;
-
-static const MpmParity vectors[MPM_MAX_DIM][MPM_MAX_DIM] = {{MPM_NORMAL, MPM_TANGENTIAL, MPM_TANGENTIAL},
-                                                            {MPM_TANGENTIAL, MPM_NORMAL, MPM_TANGENTIAL},
-                                                            {MPM_TANGENTIAL, MPM_TANGENTIAL, MPM_NORMAL}};
 
 const char *MpmStepBoundWhyNot(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step)
 {
@@ -58,7 +53,6 @@ const char *MpmStepBoundWhyNot(const MpmLayout *layout, const MpmScheme *scheme,
                             scheme->formulation->step_bound(&scheme->numbers, t) != 2))
     return "with colliders no bound is proved for this scheme"; /* docs/floors.md has the theorem */
   if (MpmSpaceIsPrestressed(space) || space->displaced) return "no bound is known about a prestressed state";
-  if (space->finite) return "no bound is known with kinematics finite";
   if (MpmStepDrifts(step)) return "the bounds are of particles at rest";
   for (PetscInt a = 0; a < layout->dim; a++)
     for (int end = 0; end < 2; end++)
@@ -86,67 +80,59 @@ static PetscErrorCode DestroyArray(const MpmGrid *grid, PetscReal **array)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Visit(Pass *s, PetscInt p)
-{
-  PetscInt  in[MPM_MAX_DIM];
-  PetscReal at[MPM_MAX_DIM];
-
-  for (PetscInt a = 0; a < s->dim; a++)
-    MpmPlaceBlock(1, &s->cell[a][p], &s->xi[a][p], s->whole[a], s->part[a], &in[a], &at[a]);
-  s->n = MpmSlopesAt(&s->slopes, PETSC_TRUE, in, at, s->node, s->shape, s->slope);
-}
-
 static PetscReal Of(const PetscReal property[], PetscInt p)
 {
   return property ? property[p] : 1;
 }
 
-/* The gradient of node i's weight for a component, and its norm. */
-static const PetscReal *Gradient(const Pass *s, PetscInt i, PetscInt c, PetscReal *norm)
+/* The norms of the slopes of node i for a component. */
+static void Norms(const Pass *s, PetscInt i, PetscInt c, PetscReal norm[])
 {
-  const PetscReal *g = s->slope + (i * s->dim + c) * s->dim;
+  const PetscReal *g = s->at.g + (i * s->at.comps + c) * s->dim * MPM_STENCILS;
 
-  *norm = s->dim == 1 ? fabs(g[0]) : s->dim == 2 ? hypot(g[0], g[1]) : sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-  return g;
+  PetscReal square[MPM_STENCILS];
+
+  for (PetscInt q = 0; q < MPM_STENCILS; q++) square[q] = g[q] * g[q];
+  for (PetscInt b = 1; b < s->dim; b++)
+    for (PetscInt q = 0; q < MPM_STENCILS; q++) square[q] += g[b * MPM_STENCILS + q] * g[b * MPM_STENCILS + q];
+  for (PetscInt q = 0; q < MPM_STENCILS; q++) norm[q] = sqrt(square[q]);
 }
 
-static PetscErrorCode SumMasses(Pass *s)
+/*
+   The sums over particles of u sqrt(V) abs(grad S), over the masses of the nodes. With masses these are summed, too. Without
+   walls all components have the same.
+*/
+static PetscErrorCode Sum(Pass *s, PetscBool masses)
 {
   const MpmGrid   *grid = s->march->grid;
   const MpmGridBox box  = MpmGridBoxOf(grid, grid->ghost);
+  PetscReal        norm[MPM_STENCILS], share[MPM_STENCILS], *array[1 + MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  for (PetscInt p = 0; p < s->march->particles->count; p++) {
-    Visit(s, p);
-    for (PetscInt i = 0; i < s->n; i++) s->inverse[s->node[i]] += Of(s->mass, p) * s->shape[i];
-  }
-  PetscCall(MpmGridSum(grid, 1, &s->inverse));
-  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
-    PetscReal *m = s->inverse + MpmGridRow(grid, &box, r);
+  for (PetscInt k = 0; k < s->components; k++) PetscCall(MpmGridZero(grid, array[k] = s->sum[k]));
+  array[s->components] = s->inverse;
+  while (MpmStencilsNext(&s->at)) {
+    const MpmStencils *c = &s->at;
 
-    for (PetscInt i = box.lo[0]; i < box.hi[0]; i++) m[i] = m[i] > 0 ? 1 / m[i] : 0;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Whether a particle has a slope at a node without mass. DIV is then not the adjoint of GRAD. */
-static PetscErrorCode Loses(Pass *s, PetscBool *loses)
-{
-  *loses = PETSC_FALSE;
-
-  PetscFunctionBegin;
-  for (PetscInt p = 0; p < s->march->particles->count && !*loses; p++) {
-    Visit(s, p);
-    for (PetscInt i = 0; i < s->n; i++)
-      for (PetscInt c = 0; c < s->dim; c++) {
-        PetscReal norm;
-
-        (void)Gradient(s, i, c, &norm);
-        if (norm > 0 && s->inverse[s->node[i]] == 0) *loses = PETSC_TRUE;
+    for (PetscInt q = 0; q < c->n; q++) share[q] = s->weight[c->begin + q] * sqrt(Of(s->volume, c->begin + q));
+    for (PetscInt i = 0; i < c->nodes; i++) {
+      for (PetscInt k = 0; k < s->components; k++) {
+        if (k < c->comps) Norms(s, i, k, norm);
+        for (PetscInt q = 0; q < c->n; q++) s->sum[k][MpmStencilsNode(c, i, q)] += share[q] * norm[q];
       }
+      for (PetscInt q = 0; q < c->n && masses; q++)
+        s->inverse[MpmStencilsNode(c, i, q)] += Of(s->mass, c->begin + q) * c->S[i * MPM_STENCILS + q];
+    }
   }
-  PetscCallMPI(
-      MPI_Allreduce(MPI_IN_PLACE, loses, 1, MPIU_BOOL, MPI_LOR, PetscObjectComm((PetscObject)s->march->grid->da)));
+  PetscCall(MpmGridSum(grid, s->components + (masses ? 1 : 0), array));
+  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
+    const PetscInt row = MpmGridRow(grid, &box, r);
+
+    for (PetscInt i = row + box.lo[0]; i < row + box.hi[0]; i++) {
+      if (masses) s->inverse[i] = s->inverse[i] > 0 ? 1 / s->inverse[i] : 0;
+      for (PetscInt k = 0; k < s->components; k++) s->sum[k][i] *= s->inverse[i];
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -166,8 +152,8 @@ static PetscReal Largest(PetscInt n, PetscReal A[MPM_MAX_STRESS][MPM_MAX_STRESS]
 
         if (!(fabs(beside) > PETSC_MACHINE_EPSILON / 8 * fabs(size))) continue;
         turned = 1;
-        t      = beside / (gap + copysign(hypot(gap, beside), gap));
-        c      = 1 / hypot(1, t);
+        t      = beside / (gap + copysign(sqrt(gap * gap + beside * beside), gap));
+        c      = 1 / sqrt(1 + t * t);
         for (PetscInt r = 0; r < n; r++) {
           const PetscReal x = A[r][p], y = A[r][q];
 
@@ -205,56 +191,95 @@ static void Add(const Pass *s, PetscInt c, const PetscReal g[], PetscReal times,
     for (PetscInt j = 0; j < n; j++) A[i][j] += times * b[i] * b[j];
 }
 
-/* lambda of a particle that is alone. */
-static PetscReal Lone(const Pass *s, PetscInt p)
+/*
+   The largest eigenvalue of C sym(. G) for all components' G. In the axes of G strains along them have the matrix
+   2 mu G + lambda sqrt(G) sqrt(G)^T, and a shear has mu (G_a + G_b), which is no more (include/mpmstab_dt.h).
+*/
+static PetscReal Isotropic(const Pass *s, PetscReal G[MPM_MAX_STRESS][MPM_MAX_STRESS])
 {
-  PetscReal A[MPM_MAX_STRESS][MPM_MAX_STRESS] = {{0}};
+  PetscReal axis[MPM_MAX_DIM], T[MPM_MAX_STRESS][MPM_MAX_STRESS];
 
-  for (PetscInt i = 0; i < s->n; i++)
-    for (PetscInt c = 0; c < s->dim; c++) {
-      PetscReal        norm;
-      const PetscReal *g = Gradient(s, i, c, &norm);
-
-      if (norm == 0 || s->inverse[s->node[i]] == 0) continue;
-      if (!(s->shape[i] > 0)) return INFINITY;
-      Add(s, c, g, 1 / s->shape[i], A);
-    }
-  return Of(s->stiffness, p) * Of(s->volume, p) / Of(s->mass, p) * Largest(s->dim * (s->dim + 1) / 2, A);
+  (void)Largest(s->dim, G);
+  for (PetscInt a = 0; a < s->dim; a++) axis[a] = sqrt(fmax(G[a][a], 0));
+  for (PetscInt a = 0; a < s->dim; a++)
+    for (PetscInt b = 0; b < s->dim; b++)
+      T[a][b] = s->lambda * axis[a] * axis[b] + (a == b ? 2 * s->mu * axis[a] * axis[a] : 0);
+  return Largest(s->dim, T);
 }
 
-/* lambda of a particle with the split that the sums at the nodes are of. */
-static PetscReal Shared(const Pass *s, PetscInt p)
+/*
+   lambda of the particles away from walls. times[i MPM_STENCILS + q] is what the square of the slope at a node counts. The matrix
+   of Isotropic has the trace of G, as lambda + 2 mu is 1, and squares of its eigenvalues whose sum is 4 mu (mu + lambda) tr G^2 +
+   lambda^2 (tr G)^2. These bound its largest one (Wolkowicz and Styan 1980). A bound below least suffices.
+*/
+static void ValuesInside(Pass *s, const PetscReal times[], const PetscReal factor[], PetscReal least)
 {
-  PetscReal A[MPM_MAX_STRESS][MPM_MAX_STRESS] = {{0}};
+  const MpmStencils *c                                         = &s->at;
+  const PetscInt     dim                                       = s->dim;
+  PetscReal          G[MPM_MAX_DIM][MPM_MAX_DIM][MPM_STENCILS] = {{{0}}};
 
-  for (PetscInt i = 0; i < s->n; i++)
-    for (PetscInt c = 0; c < s->dim; c++) {
-      const PetscInt   node = s->node[i];
-      PetscReal        norm;
-      const PetscReal *g = Gradient(s, i, c, &norm);
+  for (PetscInt i = 0; i < c->nodes; i++)
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt b = a; b < dim; b++) {
+        const PetscReal *at = c->g + (i * dim + a) * MPM_STENCILS, *other = c->g + (i * dim + b) * MPM_STENCILS;
 
-      if (norm > 0) Add(s, c, g, s->sum[s->components == 1 ? 0 : c][node] * s->inverse[node] / norm, A);
-    }
-  return Of(s->stiffness, p) * sqrt(Of(s->volume, p)) / s->weight[p] * Largest(s->dim * (s->dim + 1) / 2, A);
-}
-
-/* The sums over particles of u sqrt(V) abs(grad S). Without walls all components have the same. */
-static PetscErrorCode SumSlopes(Pass *s)
-{
-  PetscFunctionBegin;
-  for (PetscInt c = 0; c < s->components; c++) PetscCall(MpmGridZero(s->march->grid, s->sum[c]));
-  for (PetscInt p = 0; p < s->march->particles->count; p++) {
-    Visit(s, p);
-    for (PetscInt i = 0; i < s->n; i++)
-      for (PetscInt c = 0; c < s->components; c++) {
-        PetscReal norm;
-
-        (void)Gradient(s, i, c, &norm);
-        s->sum[c][s->node[i]] += s->weight[p] * sqrt(Of(s->volume, p)) * norm;
+        for (PetscInt q = 0; q < MPM_STENCILS; q++) G[a][b][q] += times[i * MPM_STENCILS + q] * at[q] * other[q];
       }
+  for (PetscInt q = 0; q < c->n; q++) {
+    PetscReal A[MPM_MAX_STRESS][MPM_MAX_STRESS], trace = 0, square = 0, *value = s->value + c->begin + q;
+
+    for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt b = 0; b < dim; b++) {
+        A[a][b] = G[PetscMin(a, b)][PetscMax(a, b)][q];
+        square += A[a][b] * A[a][b];
+        trace += a == b ? A[a][a] : 0;
+      }
+    square = 4 * s->mu * (s->mu + s->lambda) * square + s->lambda * s->lambda * trace * trace;
+    square = fmax(square - trace * trace / dim, 0) * (dim - 1) / dim;
+    *value = factor[q] * (trace / dim + sqrt(square));
+    if (*value > least || isnan(*value)) *value = factor[q] * Isotropic(s, A);
   }
-  PetscCall(MpmGridSum(s->march->grid, s->components, s->sum));
-  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   lambda of particles: alone, or with the split that the sums at the nodes are of. Of a split, those are not
+   found that are below least.
+*/
+static void Values(Pass *s, PetscBool lone, PetscReal least)
+{
+  const MpmStencils *c     = &s->at;
+  PetscReal         *times = s->times, factor[MPM_STENCILS] = {0}, norm[MPM_STENCILS];
+  PetscReal          A[MPM_STENCILS][MPM_MAX_STRESS][MPM_MAX_STRESS] = {{{0}}};
+  PetscBool          endless[MPM_STENCILS]                           = {PETSC_FALSE};
+
+  for (PetscInt q = 0; q < c->n; q++) {
+    const PetscInt p = c->begin + q;
+
+    factor[q] = s->stiffness[p] * (lone ? Of(s->volume, p) / Of(s->mass, p) : sqrt(Of(s->volume, p)) / s->weight[p]);
+  }
+  for (PetscInt i = 0; i < c->nodes; i++)
+    for (PetscInt k = 0; k < c->comps; k++) {
+      const PetscReal *S = c->S + i * MPM_STENCILS, *sum = s->sum[s->components == 1 ? 0 : k];
+      PetscReal       *at = times + i * MPM_STENCILS, g[MPM_MAX_DIM];
+
+      Norms(s, i, k, norm);
+      for (PetscInt q = 0; q < MPM_STENCILS; q++) at[q] = q < c->n ? sum[MpmStencilsNode(c, i, q)] : 0;
+      for (PetscInt q = 0; q < MPM_STENCILS; q++) at[q] = norm[q] > 0 ? at[q] / norm[q] : 0;
+      for (PetscInt q = 0; q < c->n && (lone || c->comps > 1); q++) {
+        if (norm[q] > 0 && s->inverse[MpmStencilsNode(c, i, q)] == 0) s->loses = PETSC_TRUE;
+        if (at[q] == 0) continue;
+        if (lone && !(S[q] > 0)) endless[q] = PETSC_TRUE;
+        if (lone) at[q] = endless[q] ? 0 : 1 / S[q];
+        if (c->comps == 1) continue;
+        for (PetscInt b = 0; b < s->dim; b++) g[b] = c->g[((i * c->comps + k) * s->dim + b) * MPM_STENCILS + q];
+        Add(s, k, g, at[q], A[q]);
+      }
+    }
+  if (c->comps == 1) ValuesInside(s, times, factor, least);
+  for (PetscInt q = 0; q < c->n; q++) {
+    if (c->comps > 1) s->value[c->begin + q] = factor[q] * Largest(s->dim * (s->dim + 1) / 2, A[q]);
+    if (endless[q]) s->value[c->begin + q] = INFINITY;
+  }
 }
 
 /* The largest value of all particles, and where it is: the one with the least id of several that are alike but for rounding. */
@@ -284,14 +309,28 @@ static PetscErrorCode Decide(Pass *s, PetscReal *most, MpmDecider *at)
 
     at->place[a] = -INFINITY;
     if (mine == MPM_NONE || id[mine] != at->id) continue;
-    MpmPlaceBlock(1, &s->cell[a][mine], &s->xi[a][mine], s->whole[a], s->part[a], &in, &xi);
+    MpmPlaceBlock(1, &s->at.cell[a][mine], &s->at.xi[a][mine], s->at.whole[a], s->at.part[a], &in, &xi);
     at->place[a] = in + march->grid->axis[a].first + xi;
+    if (march->grid->axis[a].periodic) /* particles may be in a rank's ghost cells */
+      at->place[a] -= march->grid->axis[a].cells * floor(at->place[a] / march->grid->axis[a].cells);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, at->place, (PetscMPIInt)s->dim, MPIU_REAL, MPI_MAX, comm));
   PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode FindLone(Pass *s, MpmStepBounds *b)
+{
+  PetscReal most;
+
+  PetscFunctionBegin;
+  while (MpmStencilsNext(&s->at)) Values(s, PETSC_TRUE, 0);
+  PetscCall(Decide(s, &most, &b->lone_at));
+  b->lone = b->factor / sqrt(most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Without sweeps, a particle that cannot decide needs no number of its own. */
 static PetscErrorCode FindByParticle(Pass *s, MpmStepBounds *b)
 {
   const PetscInt count = s->march->particles->count;
@@ -299,18 +338,12 @@ static PetscErrorCode FindByParticle(Pass *s, MpmStepBounds *b)
   MpmDecider     at = {.value = NULL};
 
   PetscFunctionBegin;
-  for (PetscInt p = 0; p < count; p++) {
-    Visit(s, p);
-    s->value[p] = Lone(s, p);
-  }
-  PetscCall(Decide(s, &most, &b->lone_at));
-  b->lone = b->factor / sqrt(most);
-  for (PetscInt p = 0; p < count; p++) s->weight[p] = sqrt(Of(s->volume, p));
   for (PetscInt sweep = 0; sweep <= b->sweeps; sweep++) {
-    PetscCall(SumSlopes(s));
-    for (PetscInt p = 0; p < count; p++) {
-      Visit(s, p);
-      s->value[p] = Shared(s, p);
+    if (sweep) PetscCall(Sum(s, PETSC_FALSE));
+    most = 0;
+    while (MpmStencilsNext(&s->at)) {
+      Values(s, PETSC_FALSE, b->sweeps ? 0 : most * (1 - 2 * SAME));
+      for (PetscInt q = 0; q < s->at.n; q++) most = fmax(most, s->value[s->at.begin + q]);
     }
     PetscCall(Decide(s, &most, sweep ? &at : &b->particle_at));
     if (!sweep) b->particle = b->swept = b->factor / sqrt(most);
@@ -345,23 +378,39 @@ static PetscErrorCode Exchange(const Pass *s, PetscBool back, PetscReal vector[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a particle's stress, made by the velocities of the nodes, gives to them. */
-static void Product(Pass *s, PetscInt p)
+/* What the stresses of particles, made by the velocities of the nodes, give to them. */
+static inline __attribute__((always_inline)) void Product(const PetscInt dim, Pass *s)
 {
-  const PetscInt dim                         = s->dim;
-  PetscReal      L[MPM_MAX_DIM][MPM_MAX_DIM] = {{0}}, stress[MPM_MAX_DIM][MPM_MAX_DIM], trace = 0;
+  const MpmStencils *c                                = &s->at;
+  PetscReal L[MPM_MAX_DIM][MPM_MAX_DIM][MPM_STENCILS] = {{{0}}}, stress[MPM_MAX_DIM][MPM_MAX_DIM][MPM_STENCILS],
+            v[MPM_STENCILS];
 
-  for (PetscInt i = 0; i < s->n; i++)
-    for (PetscInt c = 0; c < dim; c++)
-      for (PetscInt b = 0; b < dim; b++) L[c][b] += s->slope[(i * dim + c) * dim + b] * s->field[c][s->node[i]];
-  for (PetscInt c = 0; c < dim; c++) trace += L[c][c];
-  for (PetscInt c = 0; c < dim; c++)
-    for (PetscInt b = 0; b < dim; b++)
-      stress[c][b] =
-          Of(s->stiffness, p) * Of(s->volume, p) * (s->mu * (L[c][b] + L[b][c]) + (c == b ? s->lambda * trace : 0));
-  for (PetscInt i = 0; i < s->n; i++)
-    for (PetscInt c = 0; c < dim; c++)
-      for (PetscInt b = 0; b < dim; b++) s->sum[c][s->node[i]] += s->slope[(i * dim + c) * dim + b] * stress[c][b];
+  for (PetscInt i = 0; i < c->nodes; i++)
+    for (PetscInt k = 0; k < dim; k++) {
+      const PetscReal *g = c->g + (i * c->comps + k % c->comps) * dim * MPM_STENCILS;
+
+      for (PetscInt q = 0; q < MPM_STENCILS; q++) v[q] = s->field[k][MpmStencilsNode(c, i, q)];
+      for (PetscInt b = 0; b < dim; b++)
+        for (PetscInt q = 0; q < MPM_STENCILS; q++) L[k][b][q] += g[b * MPM_STENCILS + q] * v[q];
+    }
+  for (PetscInt q = 0; q < c->n; q++) {
+    const PetscReal modulus = s->stiffness[c->begin + q] * Of(s->volume, c->begin + q);
+    PetscReal       trace   = 0;
+
+    for (PetscInt k = 0; k < dim; k++) trace += L[k][k][q];
+    for (PetscInt k = 0; k < dim; k++)
+      for (PetscInt b = 0; b < dim; b++)
+        stress[k][b][q] = modulus * (s->mu * (L[k][b][q] + L[b][k][q]) + (k == b ? s->lambda * trace : 0));
+  }
+  for (PetscInt i = 0; i < c->nodes; i++)
+    for (PetscInt k = 0; k < dim; k++) {
+      const PetscReal *g = c->g + (i * c->comps + k % c->comps) * dim * MPM_STENCILS;
+
+      for (PetscInt q = 0; q < MPM_STENCILS; q++) v[q] = 0;
+      for (PetscInt b = 0; b < dim; b++)
+        for (PetscInt q = 0; q < MPM_STENCILS; q++) v[q] += g[b * MPM_STENCILS + q] * stress[k][b][q];
+      for (PetscInt q = 0; q < c->n; q++) s->sum[k][MpmStencilsNode(c, i, q)] += v[q];
+    }
 }
 
 /* y = M^(-1/2) K M^(-1/2) x */
@@ -371,10 +420,7 @@ static PetscErrorCode Multiply(Pass *s, PetscReal x[], PetscReal y[])
   PetscCall(Exchange(s, PETSC_FALSE, x, s->field));
   PetscCall(MpmGridSum(s->march->grid, s->dim, s->field));
   for (PetscInt c = 0; c < s->dim; c++) PetscCall(MpmGridZero(s->march->grid, s->sum[c]));
-  for (PetscInt p = 0; p < s->march->particles->count; p++) {
-    Visit(s, p);
-    Product(s, p);
-  }
+  while (MpmStencilsNext(&s->at)) s->dim == 1 ? Product(1, s) : s->dim == 2 ? Product(2, s) : Product(3, s);
   PetscCall(MpmGridSum(s->march->grid, s->dim, s->sum));
   PetscCall(Exchange(s, PETSC_TRUE, y, s->sum));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -488,37 +534,42 @@ static PetscErrorCode FindByLanczos(Pass *s, MpmStepBounds *b)
 
 /* ---- all of them ---- */
 
-static PetscErrorCode Begin(MpmMarch *march, Pass *s)
+/* lambda / (lambda + 2 mu) at rest is nu / (1 - nu). */
+static PetscReal LambdaOf(const MpmSpace *space)
 {
-  const MpmSpace     *space     = &march->scheme->space;
-  const MpmParticles *particles = march->particles;
-  const PetscReal     nu        = space->dim > 1 ? space->poisson : 0;
+  if (space->dim == 1) return 0;
+  if (space->finite) return space->material.law->solid ? space->material.lambda : 1;
+  return space->poisson / (1 - space->poisson);
+}
+
+static PetscErrorCode Begin(MpmMarch *march, const MpmStepBounds *b, Pass *s)
+{
+  const MpmSpace  *space = &march->scheme->space;
+  const PetscInt   count = march->particles->count;
+  const PetscReal *stiffness;
 
   PetscFunctionBegin;
   *s = (Pass){.march      = march,
               .dim        = space->dim,
               .components = MpmLayoutIsPeriodic(march->layout) ? 1 : space->dim,
               .own        = space->dim * MpmGridNodes(march->grid),
-              .lambda     = nu / (1 - nu),
-              .mu         = (1 - 2 * nu) / (2 * (1 - nu)),
-              .slopes     = {.layout = march->layout,
-                             .basis  = march->scheme->basis,
-                             .grid   = march->grid,
-                             .kind   = space->gradient == MPM_GRADIENT_MLS ? MPM_DIV_MLS : MPM_DIV,
-                             .parity = vectors}};
-  PetscCall(PetscMalloc3(MpmSlopesMost(&s->slopes), &s->node, MpmSlopesMost(&s->slopes), &s->shape,
-                         MpmSlopesMost(&s->slopes) * s->dim * s->dim, &s->slope));
-  PetscCall(PetscMalloc2(particles->count, &s->weight, particles->count, &s->value));
+              .lambda     = LambdaOf(space),
+              .mu         = (1 - LambdaOf(space)) / 2};
+  PetscCall(MpmStencilsCreate(march, &s->at));
+  PetscCall(PetscMalloc4(count, &s->weight, count, &s->value, count, &s->stiffness,
+                         MPM_STENCILS * MpmSlopesMost(&s->at.slopes), &s->times));
   PetscCall(CreateArray(march->grid, &s->inverse));
   PetscCall(MpmMarchGetProperty(march, MPM_MASS, &s->mass));
   PetscCall(MpmMarchGetProperty(march, MPM_VOLUME, &s->volume));
-  PetscCall(MpmMarchGetProperty(march, MPM_STIFFNESS, &s->stiffness));
+  PetscCall(MpmMarchGetProperty(march, MPM_STIFFNESS, &stiffness));
+  for (PetscInt p = 0; p < count; p++) {
+    s->stiffness[p] = (b->moduli ? b->moduli[p] : 1) * Of(stiffness, p);
+    s->weight[p]    = sqrt(Of(s->volume, p));
+  }
+  PetscCall(MpmMarchRestoreProperty(march, MPM_STIFFNESS, &stiffness));
   for (PetscInt a = 0; a < s->dim; a++) {
     PetscCall(CreateArray(march->grid, &s->sum[a]));
     PetscCall(CreateArray(march->grid, &s->field[a]));
-    PetscCall(MpmParticlesGet(particles, MpmFieldCell[a], &s->cell[a]));
-    PetscCall(MpmParticlesGet(particles, MpmFieldXi[a], &s->xi[a]));
-    PetscCall(MpmParticlesWhere(particles, a, particles->step, &s->whole[a], &s->part[a]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -528,18 +579,15 @@ static PetscErrorCode End(Pass *s)
   const MpmMarch *march = s->march;
 
   PetscFunctionBegin;
-  for (PetscInt a = s->dim - 1; a >= 0; a--) {
-    PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &s->xi[a]));
-    PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &s->cell[a]));
+  for (PetscInt a = 0; a < s->dim; a++) {
     PetscCall(DestroyArray(march->grid, &s->field[a]));
     PetscCall(DestroyArray(march->grid, &s->sum[a]));
   }
-  PetscCall(MpmMarchRestoreProperty(march, MPM_STIFFNESS, &s->stiffness));
   PetscCall(MpmMarchRestoreProperty(march, MPM_VOLUME, &s->volume));
   PetscCall(MpmMarchRestoreProperty(march, MPM_MASS, &s->mass));
   PetscCall(DestroyArray(march->grid, &s->inverse));
-  PetscCall(PetscFree2(s->weight, s->value));
-  PetscCall(PetscFree3(s->node, s->shape, s->slope));
+  PetscCall(PetscFree4(s->weight, s->value, s->stiffness, s->times));
+  PetscCall(MpmStencilsDestroy(&s->at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -548,21 +596,19 @@ PetscErrorCode MpmStepBoundsFind(MpmMarch *march, MpmStepBounds *b)
   const MpmFormulation *formulation = march->scheme->formulation;
   const MpmStep         rest        = {.courant = 1};
   Pass                  s;
-  PetscBool             loses;
 
   PetscFunctionBegin;
   b->why_not = MpmStepBoundWhyNot(march->layout, march->scheme, &rest);
   if (b->why_not) PetscFunctionReturn(PETSC_SUCCESS);
   b->factor = formulation->step_bound(&march->scheme->numbers, march->scheme->transfer);
-  PetscCall(Begin(march, &s));
-  PetscCall(SumMasses(&s));
-  PetscCall(Loses(&s, &loses));
-  if (loses)
-    b->why_not = "a particle exactly on a node has a slope at a node without mass";
-  else {
-    PetscCall(FindByParticle(&s, b));
-    PetscCall(FindByLanczos(&s, b));
-  }
+  PetscCall(Begin(march, b, &s));
+  PetscCall(Sum(&s, PETSC_TRUE));
+  if (b->kinds & MPM_BOUND_LONE) PetscCall(FindLone(&s, b));
+  if (b->kinds & MPM_BOUND_PARTICLE) PetscCall(FindByParticle(&s, b));
+  if (b->kinds & MPM_BOUND_LANCZOS) PetscCall(FindByLanczos(&s, b));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &s.loses, 1, MPIU_BOOL, MPI_LOR, PetscObjectComm((PetscObject)march->grid->da)));
+  if (s.loses) b->why_not = "a particle exactly on a node has a slope at a node without mass";
   PetscCall(End(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

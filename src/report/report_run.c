@@ -14,27 +14,66 @@ static void PrintNumber(PetscReal value)
     MpmPrint("  %11s", "off range");
 }
 
+/* What bounded the smallest step, so that a person can look. */
+static void Decided(json_t *result, const MpmRun *run)
+{
+  const MpmPaceHeld *h   = &run->pace->held;
+  const PetscInt     dim = run->scene->layout.dim;
+  PetscReal          x[MPM_MAX_DIM];
+  char               place[MPM_VECTOR_TEXT];
+
+  if (h->step == 0) return;
+  for (PetscInt a = 0; a < dim; a++) x[a] = h->place[a] * run->scene->cell_width;
+  MpmResultPut(result, "id", json_integer((PetscInt64)h->id));
+  MpmResultNumbers(result, "place", dim, x);
+  MpmResultSay(result,
+               "  %-10s step %" PetscInt64_FMT
+               "{step}: the particles as they stood had the least bound at particle %" PetscInt64_FMT
+               ", at %s; its number is %.6g{number} h / c\n",
+               "smallest", (PetscInt64)h->step, (PetscInt64)h->id, MpmVectorText(dim, x, 6, place), h->number);
+}
+
 /* How the steps of a run were chosen. */
 static void Pace(json_t *result, const MpmRun *run)
 {
-  const MpmScene *s    = run->scene;
-  const MpmPace  *pace = run->pace;
+  const MpmScene    *s    = run->scene;
+  const MpmPace     *pace = run->pace;
+  const MpmPaceHeld *h    = &pace->held;
 
   if (MpmPaceHasChosen(pace))
-    MpmResultSay(result, "dt from %.6g{dt_least} to %.6g{dt_largest}, changed %" PetscInt64_FMT " times\n",
-                 MpmSceneTimeStep(s, pace->least), MpmSceneTimeStep(s, pace->largest), pace->changes);
+    MpmResultSay(result,
+                 "dt from %.6g{dt_least} to %.6g{dt_largest}, mean %.6g{dt_mean}, changed %" PetscInt64_FMT " times\n",
+                 MpmSceneTimeStep(s, pace->least), MpmSceneTimeStep(s, pace->largest),
+                 run->time / (PetscReal)run->steps, pace->changes);
   else
     MpmPrint("dt: every step is what is left to the end\n");
   MpmResultKeep(result, "%" PetscInt64_FMT "{changes}", pace->changes);
   for (MpmPaceReason r = 0; r < MPM_PACE_REASONS; r++)
     MpmResultPut(MpmResultIn(result, "steps"), MpmPaceReasonNames[r], json_integer(pace->taken[r]));
-  MpmResultSay(result,
-               "  %-10s %-9" PetscInt64_FMT " steps: %g{safety} of the largest stable step of particles at rest "
-               "(%s{limited_by}), %.6g{limit} h / c, with the fastest waves' c\n",
-               "by waves", pace->taken[MPM_PACE_WAVES], s->safety, MpmNeighbourhoodNames[pace->where], pace->limit);
+  MpmResultSay(result, "  %-10s %-9" PetscInt64_FMT " steps: %g{safety} of ", "by waves", pace->taken[MPM_PACE_WAVES],
+               s->safety);
+  if (pace->why_not)
+    MpmResultSay(
+        result,
+        "the limit of particles at rest in a lattice (%s{limited_by}), %.6g{limit} h / c, with the fastest waves' c; "
+        "%s{no_bound}\n",
+        MpmPaceLimitName(pace), h->limit, pace->why_not);
+  else
+    MpmResultSay(
+        result,
+        "a bound for the particles as they stand (%s{limited_by}), last %.6g{limit} h / c with the fastest waves' c, "
+        "first %.6g{first_limit}\n",
+        MpmPaceLimitName(pace), h->limit, h->first);
+  if (!pace->why_not && s->step_bound == MPM_STEP_LANCZOS)
+    MpmResultSay(result,
+                 "  %-10s %-9" PetscInt64_FMT
+                 "{certificates} made, each but for a chance of %g{chance}; bound particle was looked "
+                 "at %" PetscInt64_FMT "{looks} times\n",
+                 "certified", (PetscInt64)h->certificates, pace->chance, (PetscInt64)h->looks);
   if (pace->taken[MPM_PACE_MOTION])
     MpmPrint("  %-10s %-9" PetscInt64_FMT " steps: the fastest particle may not go a cell in a step\n", "by motion",
              pace->taken[MPM_PACE_MOTION]);
+  if (!pace->why_not) Decided(MpmResultIn(result, "decided"), run);
   MpmPrint("\n");
 }
 

@@ -207,6 +207,8 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+const char *const MpmStepBoundNames[] = {"lanczos", "particle", "lone", NULL};
+
 #define SAFETY 0.8      /* measured on runs that fail (examples/warnings) */
 #define SAFETY_LESS 0.6 /* the same of transfers with an affine part, and of MLS-MPM's gradient */
 
@@ -219,6 +221,7 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   if (!MpmSettingsIsAlso(settings, "courant")) {
     PetscCall(MpmSettingsRefuseUnless(settings, "safety", "courant", "allowed: only with courant auto"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "step_bound", "courant", "allowed: only with courant auto"));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   scene->safety = less ? SAFETY_LESS : SAFETY;

@@ -118,7 +118,7 @@ static PetscErrorCode Bounds(MPI_Comm comm, const MpmScene *scene, PetscInt swee
   MpmMarch *march;
 
   PetscFunctionBegin;
-  *bounds = (MpmStepBounds){.sweeps = sweeps, .chance = chance, .seed = seed};
+  *bounds = (MpmStepBounds){.kinds = MPM_BOUNDS, .sweeps = sweeps, .chance = chance, .seed = seed};
   PetscCall(MpmMarchCreateRandom(comm, &scene->layout, &scene->scheme, &scene->step, 1, &march));
   PetscCall(MpmStepBoundsFind(march, bounds));
   PetscCall(MpmMarchDestroy(&march));

@@ -15,6 +15,9 @@ import numpy as np
 
 from checks import check
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../scripts/python"))
+from mpmstab import dt  # noqa: E402
+
 MPIEXEC, MPMSTAB = sys.argv[1:]
 WAVES = ("-kinematics finite -formulation musl -material neo -stretch 1.3 -basis quadratic -courant 0.5 -cells 12 "
          "-initial random -amplitude 0.01 -mach 0.7 -steps 60").split()
@@ -105,32 +108,74 @@ def limit_of(*words):
 
 
 def check_chosen_steps():
-    """Each step is a part of the limit with the fastest waves at any particle. They are those of this bar, by its stretch."""
-    run_of = result(1, *PACED, "-time", "0.5", "-csv", "paced.csv", "-output", "paced.h5", "-output_every", "1")
-    auto, known = run_of["run"]["courant_auto"], limit_of("-formulation", "usl", "-basis", "quadratic")
-    check("courant" not in run_of and "drift" not in run_of, "numbers that differ from step to step")
-    check(abs(auto["limit"] - known) < 1e-6 and auto["safety"] == 0.8, f"limit {auto}, not {known}")
-    check(abs(run_of["run"]["time"] - 0.5) < 1e-14 and auto["changes"] > 3 and auto["dt_least"] < 0.9 * auto["dt_largest"],
-          f"{run_of['run']}")
-    with open("paced.csv", encoding="utf-8") as file, h5py.File("paced.h5") as fields:
-        rows, groups = list(csv.DictReader(file)), sorted(key for key in fields if key.startswith("step_"))
-        check(len(rows) == len(groups) == run_of["run"]["steps"] + 1, f"{len(rows)} rows, {len(groups)} steps")
-        for row, before, group in zip(rows[1:-2], groups, groups[1:]):  # the last two fill what is left
-            stretch = fields[before]["particles/f"][...]
-            fastest = np.sqrt((stretch ** 2 + 1) / 2).max()
-            most = 0.8 * auto["limit"] / 16 / fastest
-            dt = fields[group].attrs["time"] - fields[before].attrs["time"]
-            check(abs(float(row["fastest_wave"]) / fastest - 1) < 1e-12 and abs(float(row["dt"]) / dt - 1) < 1e-9
-                  and most / LEVEL * (1 - 1e-12) <= dt <= most * (1 + 1e-12), f"{row}: dt {dt}, at most {most}")
+    """Each step is a part of a bound of the layout of now with the moduli of now, which the Python package finds, too."""
+    for bound in ("lone", "particle", "lanczos"):
+        run_of = result(1, *PACED, "-time", "0.5", "-csv", "paced.csv", "-output", "paced.h5", "-output_every", "1", "-step_bound", bound)
+        auto = run_of["run"]["courant_auto"]
+        check("courant" not in run_of and "drift" not in run_of, "numbers that differ from step to step")
+        check(auto["safety"] == 0.8 and (bound != "particle" or auto["limited_by"] == bound), f"{bound}: {auto}")
+        check(abs(run_of["run"]["time"] - 0.5) < 1e-14 and auto["changes"] > 3 and auto["dt_least"] < 0.9 * auto["dt_largest"],
+              f"{run_of['run']}")
+        check(auto["dt_least"] < auto["dt_mean"] < auto["dt_largest"], f"{auto}")
+        smallest = []
+        with open("paced.csv", encoding="utf-8") as file, h5py.File("paced.h5") as fields:
+            rows, groups = list(csv.DictReader(file)), sorted(key for key in fields if key.startswith("step_"))
+            check(len(rows) == len(groups) == run_of["run"]["steps"] + 1, f"{len(rows)} rows, {len(groups)} steps")
+            for row, before, group in zip(rows[1:-2], groups, groups[1:]):  # the last two fill what is left
+                at = fields[before]["particles"]
+                moduli = (at["f"][...] ** 2 + 1) / 2
+                took = fields[group].attrs["time"] - fields[before].attrs["time"]
+                check(abs(float(row["fastest_wave"]) / np.sqrt(moduli.max()) - 1) < 1e-12 and abs(float(row["dt"]) / took - 1) < 1e-9, f"{row}")
+                found = dt.step(at["coordinates"][...][:, :1], 1 / 32, 1 / 32, h=1 / 16, lame=moduli, mu=0, scheme="usl", basis="quadratic",
+                                nodes=16, origin=0, periodic=True, bound=bound, products=60)
+                smallest.append((round(took, 12), found.particle, 16 * found.dt))
+                if bound == "lanczos":  # not above the exact one, and not far below it
+                    most = np.sqrt(2 / found.omega2_least)
+                    check(0.75 * most * 0.8 <= took <= most * 0.8 * (1 + 1e-5), f"{row}: dt {took}, {most}")
+                    continue
+                most = 0.8 * found.dt
+                check(most / LEVEL * (1 - 1e-5) <= took <= most * (1 + 1e-5), f"{bound}: {row}: dt {took}, at most {most}")
+        if bound != "lanczos":
+            took, particle, number = smallest[auto["decided"]["step"] - 1]
+            check(auto["decided"]["id"] in (particle, 31 - particle), f"{auto['decided']}, {smallest}")  # the bar is symmetric
+            check(took == min(smallest)[0] and abs(auto["decided"]["number"] / number - 1) < 1e-9, f"{auto['decided']}, {smallest}")
 
 
-def check_limit_of_a_lone_particle():
-    """Where particles may come to be alone, and no closed form is known, a search says what one of them allows."""
-    scheme = "-dim 2 -formulation usl -transfer apic -basis quadratic -poisson 0.3".split()
-    known = limit_of(*scheme, "-neighbourhood", "lone")
-    auto = result(1, "-kinematics", "finite", *scheme, "-material", "neo", "-cells", "8", "-fill", "2,6", "-courant", "auto",
-                  "-initial", "uniform", "-steps", "2")["run"]["courant_auto"]
-    check(auto["limited_by"] == "lone" and abs(auto["limit"] - known) < 2e-6, f"{auto}, alone {known}")
+def check_without_bound():
+    """Of xpic no bound is known: K is that of particles at rest, or of one that is alone where some may come to be alone."""
+    scheme = "-formulation usl -transfer xpic -basis quadratic".split()
+    known = limit_of(*scheme)
+    auto = result(1, "-kinematics", "finite", *scheme, "-material", "neo", "-cells", "8", "-courant", "auto", "-initial", "uniform",
+                  "-steps", "2")["run"]["courant_auto"]
+    check(auto["limited_by"] == "bulk" and abs(auto["limit"] - known) < 2e-6 and "no bound is known" in auto["no_bound"],
+          f"{auto}, in the bulk {known}")
+
+
+# a block of 36 particles that moves over the grid: a particle that is alone comes to a node
+MOVING = ("-kinematics finite -formulation usl -material neo -basis linear -dim 2 -lame_ratio 1 -cells 10 -fill 3,6 -ppc 2 "
+          "-jitter 0.8 -initial random -amplitude 1e-6 -velocity 0.1 -steps 60").split()
+
+
+def check_lives():
+    """With the whole bound noise does not grow; at 1.1 of the exact limit the run fails, and so it does with the first certificate."""
+    for basis in ("quadratic", "linear"):
+        layout = f"-formulation usl -basis {basis} -dim 2 -cells 6 -ppc 2 -jitter 0.9".split()
+        rests = [*layout, *"-kinematics finite -material neo -lame_ratio 1 -initial random -amplitude 1e-9 -steps 300".split()]
+        exact = limit_of(*layout, "-poisson", "0.25")
+        fails = run(1, *rests, "-courant", repr(1.1 * exact))
+        check(fails.returncode == 1, f"{basis}: 1.1 of {exact}: {fails.stdout}")
+        lives = result(1, *rests, "-courant", "auto", "-safety", "1")
+        check(lives["verdict"] == "stable" and lives["run"]["courant_auto"]["certificates"] == 1, f"{basis}: {lives}")
+        check(0.8 * exact < lives["run"]["courant_auto"]["limit"] <= exact, f"{basis}: {lives['run']['courant_auto']}, {exact}")
+    moves = [result(ranks, *MOVING, "-courant", "auto", "-safety", "1")["run"] for ranks in (1, 2, 3)]
+    for auto in (one["courant_auto"] for one in moves):
+        check(auto["certificates"] > 1 and auto["dt_least"] < 0.5 * auto["dt_largest"], f"{auto}")
+        for name, number in auto.items():
+            check(number == moves[0]["courant_auto"][name] or name == "decided", f"{name} on other ranks: {auto}")
+        check(auto["decided"]["id"] == moves[0]["courant_auto"]["decided"]["id"], f"on other ranks: {auto}")
+    check(abs(moves[0]["energy"]["final"] / moves[0]["energy"]["initial"] - 1) < 1e-6, f"{moves[0]['energy']}")
+    fails = run(1, *MOVING, "-courant", repr(moves[0]["courant_auto"]["first_limit"]))
+    check(fails.returncode == 1, f"with the first certificate alone: {fails.stdout}")
 
 
 def check_none_chosen():
@@ -143,10 +188,10 @@ def check_none_chosen():
 
 def check_alike():
     """Waves in an isothermal gas have one speed. So the steps that are chosen are those of a Courant number."""
-    scene = ("-kinematics finite -formulation usl -basis quadratic -material gas -cells 12 -initial mode -amplitude 0.1 "
+    scene = ("-kinematics finite -formulation usl -basis quadratic -material gas -cells 12 -initial mode -amplitude 1e-3 "
              "-steps 40").split()
     auto = result(1, *scene, "-courant", "auto", "-output", "auto.h5")["run"]["courant_auto"]
-    done(1, *scene, "-courant", repr(auto["limit"] * 0.8), "-output", "number.h5")
+    done(1, *scene, "-courant", repr(auto["first_limit"] * 0.8), "-output", "number.h5")
     check(auto["changes"] == 0, f"{auto}")
     one, other = arrays("auto.h5"), arrays("number.h5")
     for name, values in one.items():
@@ -237,6 +282,7 @@ def check_refusals():
                              ("run", "-kinematics finite -formulation usl -courant auto -drift 1/8", "velocity or mach"),
                              ("run", "-kinematics finite -formulation usl -courant auto -stagger", "steps differ"),
                              ("run", "-kinematics finite -formulation usl -safety 0.5", "only with courant auto"),
+                             ("run", "-kinematics finite -formulation usl -step_bound lone", "only with courant auto"),
                              ("run", "-kinematics finite -formulation usl -courant auto -initial manufactured -amplitude 0.01",
                               "with time in the place of steps")):
         process = subprocess.run([MPMSTAB, task, *words.split()], capture_output=True, text=True, check=False)
@@ -292,7 +338,8 @@ with tempfile.TemporaryDirectory() as folder:
     check_refusals()
     check_json()
     check_chosen_steps()
-    check_limit_of_a_lone_particle()
+    check_without_bound()
+    check_lives()
     check_none_chosen()
     check_alike()
     check_chosen_restart(1, 1)

@@ -50,6 +50,7 @@ static const char *const other[][2] = {
     {"wave_speed", "-young 4 -density 1"},
     {"courant", "-courant 0.25"},
     {"safety", "-kinematics finite -courant auto"},
+    {"step_bound", "-kinematics finite -courant auto -step_bound lone"},
     {"drift", "-drift 1/7"},
     {"initial", "-initial pulse"},
     {"mode", "-mode 2"},
