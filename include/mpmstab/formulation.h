@@ -283,6 +283,7 @@ typedef struct MpmSchemeNumbers_ MpmSchemeNumbers; /* mpmstab/transfer.h */
             In more dimensions it is a square root of the sum of the squares over the directions.
    chi    - with a prestress s0: s0 times the symbol of CURVE G2P, which is the mean over a cell's particles of
             conj(symbol of h^2 d2phi/dx2) times that of phi; kappa is then multiplied by 1 + s0
+   drag   - what the node's velocity loses per time by damping and viscosity, in units of c / h: alpha + eta kappa
    projected - particles move with the projected velocity
    transfer, numbers - the transfer, and the numbers that formulation and transfer are given
    lap    - the symbol of -LAP: 4 sin^2(beta / 2), in more dimensions the sum over the directions
@@ -293,7 +294,7 @@ typedef struct MpmSchemeNumbers_ MpmSchemeNumbers; /* mpmstab/transfer.h */
    Source: theory of the symbol in docs/theory.md, section 4.
 S*/
 typedef struct {
-  PetscReal      alpha, kappa, plain, stiff, lap, filter, taken;
+  PetscReal      alpha, kappa, plain, stiff, drag, lap, filter, taken;
   double complex mu, chi;
   PetscBool      projected;
 

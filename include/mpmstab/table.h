@@ -132,6 +132,10 @@ extern const char *const MpmMoveNames[];
    collides - there are colliders (collider.h): IMPOSE and REACT of a vector have their COLLIDE besides
    ends     - the kinds of the left and of the right end of each direction. IMPOSE and REACT become WALL at those that
               are fixed, and nothing at others.
+   damping  - alpha, the part of the velocity that is lost per time, in units of c / h
+   viscous  - lambda and mu of the viscous stress lambda tr(D) I + 2 mu D, D the symmetric part of the velocity's gradient,
+              in units of rho c h. At finite deformation this is a Kirchhoff stress.
+   proportional - the viscous stress is that of STRESS at a strain of D times a number, which is lambda + 2 mu
 S*/
 typedef struct {
   PetscInt      dim;
@@ -144,9 +148,23 @@ typedef struct {
   PetscBool     finite, loaded, collides;
   PetscReal     stretch[MPM_MAX_DIM], stiffness;
   MpmEnd        ends[MPM_MAX_DIM][2];
+  PetscReal     damping, viscous[2];
+  PetscBool     proportional;
 
   MpmMaterialNumbers material;
 } MpmSpace;
+
+/* Not collective. Whether a table has terms of damping or viscosity (src/scheme/table_damping.c). */
+static inline PetscBool MpmSpaceIsDamped(const MpmSpace *space)
+{
+  return space->damping != 0 || space->viscous[0] != 0 || space->viscous[1] != 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Not collective. What a motion whose strains have the stiffness kappa loses per time, in units of c / h: alpha + eta kappa. */
+static inline PetscReal MpmSpaceDrag(const MpmSpace *space, PetscReal kappa)
+{
+  return space->damping + (space->viscous[0] + 2 * space->viscous[1]) * kappa;
+}
 
 /* Not collective. Whether the state that a scheme is linear about has a stress. */
 PetscBool MpmSpaceIsPrestressed(const MpmSpace *space);

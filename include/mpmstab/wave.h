@@ -85,6 +85,7 @@ typedef struct {
    poisson    - Poisson's ratio; 1/2 where the stress is one number
    speed      - the speed of a mode: c, or that of S waves
    wavenumber - abs(K) of a mode
+   decay      - the part of the velocity that a mode of a momentum scheme loses per time, by damping and viscosity
    phase      - the phase of a mode at X = 0
    nwaves, wave - the plane waves of a mode: one in a periodic domain and along a direction with ends, and its mirror
                 images otherwise. 0 when there is no such mode between the ends of the domain.
@@ -94,7 +95,7 @@ S*/
 typedef struct {
   MpmInitial   initial;
   PetscInt     dim, nwaves;
-  PetscReal    length, wave_speed, cell_width, amplitude, poisson, speed, wavenumber, phase, image[2];
+  PetscReal    length, wave_speed, cell_width, amplitude, poisson, speed, wavenumber, decay, phase, image[2];
   MpmPlaneWave wave[MPM_MAX_WAVES];
 } MpmProfile;
 

@@ -43,8 +43,8 @@ static PetscReal Chi(PetscInt dim, const MpmSpace *space)
 /* Whether a bound of any layout may hold for a scheme and these particles. */
 static PetscBool MayHold(const MpmLayout *layout, const MpmScheme *scheme)
 {
-  return !MpmSpaceIsPrestressed(&scheme->space) && layout->material.kind == MPM_MATERIAL_UNIFORM &&
-                 !MpmBasisIsAltered(scheme->basis) &&
+  return !MpmSpaceIsPrestressed(&scheme->space) && !MpmSpaceIsDamped(&scheme->space) &&
+                 layout->material.kind == MPM_MATERIAL_UNIFORM && !MpmBasisIsAltered(scheme->basis) &&
                  !(layout->given && (layout->given->has[1] || layout->given->has[2]))
              ? PETSC_TRUE
              : PETSC_FALSE;

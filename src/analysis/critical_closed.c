@@ -151,6 +151,7 @@ const char *MpmCriticalWhyNotQuiet(const MpmCriticalCase *of)
   if (!scheme->formulation->quiet) return "the formulation has no such theorem";
   if (!scheme->transfer->quiet) return "the transfer may raise the energy of the particles";
   if (scheme->space.finite) return "deformation is finite";
+  if (MpmSpaceIsDamped(&scheme->space)) return "it has damping or viscosity";
   if (MpmSpaceIsPrestressed(&scheme->space)) return "particles have a prestress";
   if (MpmSymbolWhyNot(of->layout)) return "the layout has no symbol";
   if (MpmBasisIsAltered(scheme->basis)) return "functions of the basis differ near walls";

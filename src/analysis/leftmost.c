@@ -21,7 +21,7 @@ PetscBool MpmLeftmostDecides(const MpmLayout *layout, const MpmScheme *scheme, c
   const MpmSpace *space = &scheme->space;
 
   if (!scheme->formulation->leftmost || !scheme->transfer->leftmost) return PETSC_FALSE;
-  if (MpmSpaceIsPrestressed(space) || space->displaced || space->finite) return PETSC_FALSE;
+  if (MpmSpaceIsPrestressed(space) || space->displaced || space->finite || MpmSpaceIsDamped(space)) return PETSC_FALSE;
   if (layout->colliders || MpmStepDrifts(step) || (!MpmLayoutIsFull(layout) && !MpmLayoutIsScattered(layout)))
     return PETSC_FALSE;
   if (scheme->basis->hat && IsOnNode(layout)) return PETSC_FALSE;

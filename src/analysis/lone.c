@@ -118,6 +118,7 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
 
   PetscFunctionBegin;
   *lone = (MpmLone){.known = !MpmSpaceIsPrestressed(&scheme->space) && f->limit && f->corrected &&
+                                     (!MpmSpaceIsDamped(&scheme->space) || scheme->space.proportional) &&
                                      MpmFormulationHas(f, MPM_DIV) && !scheme->transfer->sharpen
                                  ? PETSC_TRUE
                                  : PETSC_FALSE};
@@ -134,6 +135,7 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
   if (!lone->known) PetscFunctionReturn(PETSC_SUCCESS);
   if (bounded) cell.kappa = Stiffest(&scheme->space, H);
   cell.stiff    = cell.kappa;
+  cell.drag     = MpmSpaceDrag(&scheme->space, cell.kappa);
   lone->courant = f->limit(&cell);
   lone->growth  = f->corrected(&cell, courant);
   if (isinf(lone->courant)) {

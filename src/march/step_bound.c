@@ -53,6 +53,7 @@ const char *MpmStepBoundWhyNot(const MpmLayout *layout, const MpmScheme *scheme,
                             scheme->formulation->step_bound(&scheme->numbers, t) != 2))
     return "with colliders no bound is proved for this scheme"; /* docs/floors.md has the theorem */
   if (MpmSpaceIsPrestressed(space) || space->displaced) return "no bound is known about a prestressed state";
+  if (MpmSpaceIsDamped(space)) return "no bound is known with damping or viscosity";
   if (MpmStepDrifts(step)) return "the bounds are of particles at rest";
   for (PetscInt a = 0; a < layout->dim; a++)
     for (int end = 0; end < 2; end++)

@@ -134,7 +134,9 @@ static PetscErrorCode Limit(json_t *result, const MpmScene *s, PetscReal toleran
   if (isfinite(c->doubtful))
     MpmPrint("  near %.6g amplification factors could not be told apart: a window there may be missed\n", c->doubtful);
   if (!isnan(c->closed) && isfinite(c->closed))
-    MpmResultSay(result, "  closed form  %.10g{closed_form}: %s\n", c->closed, s->scheme.formulation->limit_text);
+    MpmResultSay(result, "  closed form  %.10g{closed_form}: %s\n", c->closed,
+                 MpmSpaceIsDamped(&s->scheme.space) ? "with damping: docs/theory.md, section 13"
+                                                    : s->scheme.formulation->limit_text);
   if (c->bound > 0)
     MpmResultSay(result,
                  "  any layout   of such particles at rest is stable up to %.10g{bound} = 2 sqrt(D / chi), jittered or "

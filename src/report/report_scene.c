@@ -63,6 +63,28 @@ static void PrintFilled(const MpmLayout *layout)
   MpmPrint(": %" PetscInt64_FMT " particle%s\n", layout->particles, layout->particles == 1 ? "" : "s");
 }
 
+/* Damping and viscosity, with what they are in units of the step where the scene has others. */
+static PetscErrorCode PrintDamping(const MpmScene *s, const MpmRequest *request)
+{
+  const MpmSpace *space    = &s->scheme.space;
+  const PetscBool physical = MpmSceneIsPhysical(s);
+  const char     *between  = "";
+
+  PetscFunctionBegin;
+  if (space->damping != 0) {
+    PetscCall(PrintFields(s, request,
+                          physical ? "grid damping {grid_damping} per time" : "grid damping {grid_damping} c / h"));
+    if (physical) MpmPrint(" (%.6g c / h)", space->damping);
+    between = ", ";
+  }
+  if (s->viscosity != 0 || s->shear_viscosity != 0) {
+    MpmPrint("%sviscosity lambda %.6g, mu %.6g rho c h", between, space->viscous[0], space->viscous[1]);
+    if (physical) PetscCall(PrintFields(s, request, " (Kelvin-Voigt {viscosity}, shear {shear_viscosity})"));
+  }
+  MpmPrint("\n");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Describes layout and material where they are not the default. */
 static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *request)
 {
@@ -88,6 +110,7 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
                           "material {material}: density ratio {density_ratio}, stiffness ratio {stiffness_ratio}"));
   if (material == MPM_MATERIAL_TWO) PetscCall(PrintFields(s, request, ", in cells {inclusion}"));
   if (material != MPM_MATERIAL_UNIFORM) MpmPrint("\n");
+  if (MpmSpaceIsDamped(&s->scheme.space)) PetscCall(PrintDamping(s, request));
   if (s->layout.cluster[1] - s->layout.cluster[0] < 1)
     MpmPrint("particles within %.17g to %.17g of their cells\n", s->layout.cluster[0], s->layout.cluster[1]);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -111,6 +111,9 @@ WHEN(HasGravity, s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0)
 WHEN(HasStretch, s->law != &MpmLawLinear || s->scheme.space.finite)
 WHEN(HasLameRatio, s->law == &MpmLawNeo || (s->scheme.space.finite && s->law->solid))
 WHEN(HasExponent, s->law->exponent > 0)
+WHEN(HasDamping, s->grid_damping != 0)
+WHEN(HasViscosity, s->viscosity != 0)
+WHEN(HasShearViscosity, s->shear_viscosity != 0)
 
 /* ---- the table ---- */
 
@@ -212,6 +215,12 @@ const MpmField MpmOptions[] = {
    WORDS(MpmKinematicsNames), TEXT(KinematicsOf), IN(81, 63, 56, 47), SHOWN(HasKinematics)},
   {"gravity", MPM_REAL, NULL, "kinematics finite: acceleration of gravity in each direction, in length / time^2, such as 0,-9.81",
    ANY, .tasks = "run, spectrum", EACH(AS_REAL, gravity, gravity[0]), IN(82, 64, 57, 48), SHOWN(HasGravity)},
+  {"grid_damping", MPM_REAL, "0", "momentum schemes: alpha, the grid's velocity loses alpha dt of itself in a step; in units of c / h, in a scene in physical units per time",
+   FROM(0), KEPT(AS_REAL, grid_damping), IN(96, 78, 71, 55), SHOWN(HasDamping)},
+  {"viscosity", MPM_REAL, "0", "momentum schemes: viscosity of a Kelvin-Voigt solid, in proportion to its stiffness; eta of P waves, in units of rho c h, in a scene in physical units pressure x time",
+   FROM(0), KEPT(AS_REAL, viscosity), IN(97, 79, 72, 56), SHOWN(HasViscosity)},
+  {"shear_viscosity", MPM_REAL, "0", "momentum schemes: viscosity of a Newtonian fluid without bulk viscosity, 2 eta times the deviator of the strain rate; in the units of viscosity",
+   FROM(0), KEPT(AS_REAL, shear_viscosity), IN(98, 80, 73, 57), SHOWN(HasShearViscosity)},
   {"density_ratio", MPM_REAL, "1", "density of the second material over the first's",
    BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), SHOWN(HasMaterial), .json = "material.density_ratio"},
   {"stiffness_ratio", MPM_REAL, "1", "stiffness of the second material over the first's",

@@ -429,6 +429,7 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
     PetscCall(MpmSettingsCheckFinite(settings, scene));
   else
     PetscCall(MpmSettingsReadPrestress(settings, scene));
+  PetscCall(MpmSettingsReadDamping(settings, scene));
   PetscCall(MpmTableCreate(scene->scheme.formulation, scene->scheme.transfer, &scene->scheme.numbers,
                            &scene->scheme.space, &scene->scheme.table));
   PetscCall(MpmSettingsReadInitial(settings, scene));

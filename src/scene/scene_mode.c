@@ -121,6 +121,7 @@ static void AddImages(const Mode *m, MpmProfile *p)
 
 static void SetMode(const MpmScene *scene, MpmProfile *p)
 {
+  const MpmSpace *space   = &scene->scheme.space;
   const PetscReal mu      = (1 - 2 * p->poisson) / (2 * (1 - p->poisson));
   PetscReal       squares = 0;
   Mode            m       = {.scene = scene, .wave = {.weight = 1}};
@@ -131,7 +132,11 @@ static void SetMode(const MpmScene *scene, MpmProfile *p)
   for (PetscInt a = 0; a < p->dim; a++) squares += PetscSqr(m.K[a]);
   p->wavenumber = sqrt(squares);
   p->speed      = scene->polarisation == MPM_S_WAVE ? p->wave_speed * sqrt(mu) : p->wave_speed;
-  p->phase      = PhaseOf(&m);
+  p->decay      = p->wave_speed / p->cell_width *
+             (space->damping +
+              (space->viscous[1] + (scene->polarisation == MPM_S_WAVE ? 0 : space->viscous[0] + space->viscous[1])) *
+                  squares * PetscSqr(p->cell_width));
+  p->phase = PhaseOf(&m);
   for (PetscInt a = 0; a < p->dim; a++) m.wave.normal[a] = m.K[a] / p->wavenumber;
   SetDirection(scene, m.wave.normal, m.wave.direction);
   for (PetscInt a = 0; a < p->dim; a++)

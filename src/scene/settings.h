@@ -268,6 +268,9 @@ PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *sce
 /* Collective. Reads whether a run chooses its steps, and how large a part of the largest stable one they are. */
 PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene);
 
+/* Collective. Reads damping and viscosity, in the units of the scene, to those of a step (scene_damping.c). */
+PetscErrorCode MpmSettingsReadDamping(const MpmSettings *settings, MpmScene *scene);
+
 /*
    MpmSettingsReadGiven  - reads the particles of the file that the option layout names, and Poisson's ratio where it has one
                            and the options have none. The dimension must be known.

@@ -559,6 +559,7 @@ static PetscErrorCode Translate(MpmTableBuilder *b)
 
     if (b->space->finite) PetscCall(MpmFiniteBefore(b, op));
     PetscCall(SharpenBefore(b, o));
+    PetscCall(MpmDampingBefore(b, o));
     if (op->kind == MPM_IMPOSE) {
       const PetscInt n = MpmBuilderComponents(b, PETSC_TRUE, op->dst);
 
@@ -583,6 +584,7 @@ static PetscErrorCode Translate(MpmTableBuilder *b)
       PetscCall(React(b, o));
     else
       PetscCall(Expand(b, op));
+    PetscCall(MpmDampingAfter(b, o));
     if (b->space->finite) PetscCall(MpmFiniteAfter(b, o));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -624,8 +626,9 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
 {
   MpmFormulation  written = *formulation;
   MpmOp           lines[MPM_MOST_TABLE_LINES];
-  MpmTableBuilder b = {.formulation = &written, .transfer = transfer, .numbers = numbers, .space = space};
-  MpmTable       *t;
+  MpmTableBuilder b = {
+      .formulation = &written, .transfer = transfer, .numbers = numbers, .space = space, .viscous = MPM_NONE};
+  MpmTable *t;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(table));

@@ -34,6 +34,7 @@
    staged          - a step has several stages
    implicit        - the formulation has IMPLICIT. Then a scratch stress is that of the middle of the step, at the part ahead of it
                      with the velocity in the node registers from start on; its first register is stress
+   viscous         - the first of the scratch registers of the viscous stress, or MPM_NONE
 S*/
 typedef struct {
   const MpmFormulation   *formulation;
@@ -48,7 +49,7 @@ typedef struct {
   PetscReal share[MPM_MAX_MOVED];
   PetscBool staged, implicit;
   PetscReal ahead;
-  PetscInt  start, stress;
+  PetscInt  start, stress, viscous;
   MpmTable *table;
 } MpmTableBuilder;
 
@@ -100,6 +101,12 @@ PetscErrorCode MpmBuilderAppend(MpmTableBuilder *b, MpmOp op);
 PetscErrorCode MpmBuilderSharpen(MpmTableBuilder *b, PetscInt node, PetscInt *sharp);
 PetscErrorCode MpmBuilderTerm(MpmTableBuilder *b, const MpmOp *op, PetscInt dst, PetscInt src, PetscInt axis,
                               PetscReal factor, PetscBool accumulates);
+
+/*
+   Damping and viscosity (table_damping.c): what goes before line number o of the formulation, and after it. Not collective.
+*/
+PetscErrorCode MpmDampingBefore(MpmTableBuilder *b, PetscInt o);
+PetscErrorCode MpmDampingAfter(MpmTableBuilder *b, PetscInt o);
 
 /*
    Operations of finite deformation (table_finite.c). Not collective.

@@ -18,7 +18,7 @@
      gas         u = m A d sin(K.X + phase) cos(omega t),    r = m A (d.n) cos(K.X + phase) sin(omega t),    d = n
      momentum    v as u,    s = (c/speed) (lambda (d.n) I + mu (d n^T + n d^T)) m A cos(K.X + phase) sin(omega t)
 
-   with omega = abs(K) speed. P waves have d = n and speed c, S waves have d across n and speed c sqrt(mu). A Poisson
+   with omega = abs(K) speed, and with damping and viscosity as InTime says. P waves have d = n and speed c, S waves have d across n and speed c sqrt(mu). A Poisson
    ratio of 1/2 makes lambda 1 and mu 0. Then s is r, and in one dimension the stress of a bar. The scalars u and w are
    as in one dimension.
 
@@ -121,6 +121,28 @@ static PetscReal Displacement(const MpmProfile *p)
   return p->amplitude * p->wave_speed / (p->cell_width * p->wavenumber * p->speed);
 }
 
+/*
+   The factors of the velocity and of the stress of a mode that loses the part decay of its velocity per time: of
+
+     v_t = - omega s - decay v,    s_t = omega v,    v = 1 and s = 0 at time 0
+
+   with w^2 = omega^2 - decay^2 / 4, which may be negative, v = e^(-decay t / 2) (cos w t - decay / (2 w) sin w t) and
+   s = e^(-decay t / 2) (omega / w) sin w t.
+*/
+static PetscReal InTime(const MpmProfile *p, PetscBool stress, PetscReal t)
+{
+  const PetscReal omega = p->wavenumber * p->speed, half = p->decay / 2, square = omega * omega - half * half,
+                  w = sqrt(fabs(square));
+  PetscReal cosine = cos(w * t), sine = w * t == 0 ? t : sin(w * t) / w;
+
+  if (half == 0) return stress ? sin(Turn(p, t)) : cos(Turn(p, t));
+  if (square < 0) {
+    cosine = cosh(w * t);
+    sine   = sinh(w * t) / w;
+  }
+  return exp(-half * t) * (stress ? omega * sine : cosine - half * sine);
+}
+
 static PetscReal FirstOrderMode(const MpmProfile *p, PetscInt field, PetscInt component, const PetscReal X[],
                                 PetscReal t)
 {
@@ -137,9 +159,9 @@ static PetscReal FirstOrderMode(const MpmProfile *p, PetscInt field, PetscInt co
     else
       sum += wave->weight * wave->direction[component / p->dim] * wave->normal[component % p->dim] * cos(angle);
   }
-  if (field == MPM_NONE) return p->amplitude * p->wavenumber * p->cell_width * sum * cos(Turn(p, t));
+  if (field == MPM_NONE) return p->amplitude * p->wavenumber * p->cell_width * sum * InTime(p, PETSC_FALSE, t);
   if (field == MPM_DISPLACEMENT) return Displacement(p) * sum * sin(Turn(p, t));
-  return p->amplitude * (sum * (field ? sin(Turn(p, t)) : cos(Turn(p, t))));
+  return p->amplitude * (sum * InTime(p, field ? PETSC_TRUE : PETSC_FALSE, t));
 }
 
 static PetscReal FirstOrderPulse(const MpmProfile *p, PetscInt field, PetscReal X, PetscReal ct)

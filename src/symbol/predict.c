@@ -23,6 +23,11 @@ static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, Pets
   if (!MpmLayoutIsPeriodic(layout)) return "the formulas are for a periodic domain";
   if (!MpmLayoutIsUniform(layout)) return "the formulas are for cells that are all alike";
   if (!scheme->transfer->filter_symbol) return "no closed form for this transfer";
+  if (!MpmSpaceIsDamped(&scheme->space)) return NULL;
+  if (MpmSpaceIsPrestressed(&scheme->space))
+    return "no closed form with damping or viscosity about a prestressed state";
+  if (layout->dim > 1 && scheme->space.viscous[1] + scheme->space.viscous[0] != 0 && !scheme->space.proportional)
+    return "no closed form with more than one dimension and a viscosity that is not in proportion to the stiffness";
   return NULL;
 }
 
@@ -37,6 +42,7 @@ static const char *WhyNotPublished(const MpmLayout *layout, const MpmScheme *sch
 
 const char *MpmPredictionText(const MpmScheme *scheme)
 {
+  if (MpmSpaceIsDamped(&scheme->space)) return "with damping: docs/theory.md, section 13";
   return MpmSpaceIsPrestressed(&scheme->space) ? "with a prestress: docs/theory.md, section 9"
                                                : scheme->formulation->corrected_text;
 }
@@ -291,6 +297,7 @@ PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], Mpm
     cell[i]       = all;
     cell[i].stiff = HasStress(p) ? fmax(0, kappa[i]) : along[0].kappa;
     cell[i].plain = cell[i].kappa = sharp * cell[i].stiff;
+    cell[i].drag                  = MpmSpaceDrag(space, cell[i].plain);
     if (!MpmSpaceIsPrestressed(space)) continue;
     cell[i].kappa *= 1 + space->prestress[0];
     cell[i].chi       = sharp * space->prestress[0] * along[0].chi;

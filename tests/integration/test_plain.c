@@ -107,6 +107,12 @@ static PetscErrorCode Run(int argc, char **argv)
       "-formulation usl -dim 2 -cells 24 -initial random -courant 0.1 -prestress 0.1,0.05 -basis quadratic",
       "-formulation usl -dim 3 -cells 12 -initial random -courant 0.1 -drift 0.1 -jitter 0.3 -basis quadratic",
       "-formulation usf -dim 3 -cells 12 -initial random -courant 0.1 -boundary fixed -transfer xpic",
+      "-formulation usl -dim 2 -cells 16 -initial random -courant 0.1 -jitter 0.4 -viscosity 0.2 -shear_viscosity 0.1 "
+      "-grid_damping 0.3",
+      "-formulation usl -dim 2 -cells 16 -initial random -courant 0.1 -drift 0.1 -transfer fmpm -viscosity 0.2 "
+      "-basis quadratic",
+      "-formulation musl -kinematics finite -dim 2 -cells 16 -initial random -amplitude 0.01 -courant 0.1 -basis "
+      "quadratic -viscosity 0.2 -shear_viscosity 0.1 -grid_damping 0.3",
       "-formulation usl -kinematics finite -cells 40 -initial random -amplitude 0.01 -courant 0.1 -drift 0.05",
       "-formulation musl -kinematics finite -dim 2 -cells 16 -initial random -amplitude 0.01 -courant 0.1 -basis "
       "quadratic",

@@ -432,6 +432,8 @@ static PetscErrorCode CheckColliders(void)
 
 static PetscErrorCode Test(int argc, char **argv)
 {
+  PetscBool turn;
+
   PetscFunctionBegin;
   PetscCheck(argc > 1, PETSC_COMM_WORLD, PETSC_ERR_USER, "tangent FILE");
   PetscCall(SlepcInitializeNoArguments());
@@ -441,6 +443,11 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(
       CheckTangent("-kinematics finite -material neo -lame_ratio 0.7 -formulation rk -rk kg5 -basis quadratic -dim 2 "
                    "-cells 5,4 -jitter 0.2 -boundary fixed,periodic"));
+  PetscCall(HasTurn(1, &turn));
+  if (turn)
+    PetscCall(CheckTangent(
+        "-kinematics finite -material neo -lame_ratio 0.7 -formulation musl -basis quadratic -transfer fmpm -dim 2 "
+        "-cells 5,4 -jitter 0.2 -boundary fixed,periodic -viscosity 0.2 -shear_viscosity 0.1 -grid_damping 0.3"));
   PetscCall(OracleGrowthNonlinear(argv[1], 43, CheckRow));
   PetscCall(
       CheckRun("-kinematics finite -material neo -formulation usl -basis cubic -offset 0.3 -cells 6 -mode 1 -amplitude "

@@ -13,10 +13,14 @@ PetscReal MpmQuadraticRadius(double complex trace, double complex det);
      trace = 1 + f - alpha s,    det = f
 
    With a prestress and x = k^2 chi, trace = 1 + f - alpha s - x and det = f - (f - alpha) x where particles move with
-   the grid's velocity, and trace = 1 + f - alpha (s + x), det = f where they move with the projected one.
+   the grid's velocity, and trace = 1 + f - alpha (s + x), det = f where they move with the projected one. Damping and viscosity take
+   alpha k drag off trace and det.
 */
 PetscReal MpmStressAheadGrowth(const MpmCellSymbols *cell, PetscReal courant);
 PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell);
+
+/* Not collective. The limit with damping and viscosity of a scheme whose limit without them is the other number. */
+PetscReal MpmDampedLimit(const MpmCellSymbols *cell, PetscReal limit);
 
 /* Not collective. The step_bound of these schemes: alpha s <= 2 (1 + f) is least where alpha and f are 1. */
 PetscReal MpmStressAheadBound(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer);

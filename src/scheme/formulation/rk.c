@@ -118,17 +118,18 @@ static PetscInt Lines(const MpmSchemeNumbers *numbers, const MpmTransfer *transf
 }
 
 /*
-   A step takes the node's velocity v and force b = - a to M (v, b): run on (1, 0) and on (0, 1). The velocity of a stage
-   changes by - c b on nodes, and by - c alpha b by way of the particles. Particles move with w + (2 m - 1) (v - b - w), m =
+   A step takes the node's velocity v and force b to M (v, b): run on (1, 0) and on (0, 1). A stage has a = - b - k drag v. The
+   velocity of the next one changes by c a on nodes, and by c alpha a by way of the particles. Particles move with w + (2 m - 1) (v - b - w), m =
    move_share.
 */
 static void Step(const MpmCellSymbols *cell, PetscReal k, double complex *trace, double complex *det)
 {
   const MpmSchemeNumbers *numbers = cell->numbers;
-  const PetscReal         s = k * k * cell->kappa, alpha = MpmRkIsOnNodes(numbers, cell->transfer) ? 1 : cell->alpha;
-  const double complex    x      = k * k * cell->chi;
-  const PetscInt          stages = methods[numbers->rk].stages;
-  double complex          m[2][2];
+  const PetscReal         s = k * k * cell->kappa, lost = k * cell->drag,
+                  alpha       = MpmRkIsOnNodes(numbers, cell->transfer) ? 1 : cell->alpha;
+  const double complex x      = k * k * cell->chi;
+  const PetscInt       stages = methods[numbers->rk].stages;
+  double complex       m[2][2];
 
   for (int start = 0; start < 2; start++) {
     const double complex v = start == 0, b = start == 1;
@@ -136,13 +137,13 @@ static void Step(const MpmCellSymbols *cell, PetscReal k, double complex *trace,
 
     for (PetscInt j = 0; j < stages - 1; j++) {
       const PetscReal      c    = methods[numbers->rk].c[j];
-      const double complex next = v - c * alpha * wb;
+      const double complex next = v - c * alpha * (wb + lost * wv);
 
       wb = b + c * s * wv;
       wv = next;
     }
-    m[start][0] = cell->filter * v - cell->alpha * wb;
-    m[start][1] = b + s * wv + x * (wv + (2 * numbers->move_share - 1) * (v - wb - wv));
+    m[start][0] = cell->filter * v - cell->alpha * (wb + lost * wv);
+    m[start][1] = b + s * wv + x * (wv + (2 * numbers->move_share - 1) * (v - wb - lost * wv - wv));
   }
   *trace = m[0][0] + m[1][1];
   *det   = m[0][0] * m[1][1] - m[0][1] * m[1][0];
@@ -179,7 +180,7 @@ static PetscReal Limit(const MpmCellSymbols *cell)
   const PetscReal edge = methods[cell->numbers->rk].edge;
   PetscReal       to = 2 * edge / sqrt(cell->kappa), bracket[2] = {0, INFINITY};
 
-  if (!MpmRkIsOnNodes(cell->numbers, cell->transfer) && !cell->transfer->filter) return Quiet(cell);
+  if (cell->drag == 0 && !MpmRkIsOnNodes(cell->numbers, cell->transfer) && !cell->transfer->filter) return Quiet(cell);
   if (!isfinite(to)) return INFINITY;
   for (PetscInt i = 1; i <= SCANS && isinf(bracket[1]); i++) {
     const PetscReal k = to * (PetscReal)i / SCANS;

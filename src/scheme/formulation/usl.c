@@ -31,20 +31,22 @@ static const MpmOp ops[] = {
 /*
    A step takes the node's velocity v and increment a to
 
-     v' = f v + alpha a,    a' = a - s (v + a)    with s = k^2 (kappa + chi)
+     v' = f v + alpha a,    b' = b + s (v + a),    a = - b - d v    with s = k^2 (kappa + chi), d = k drag
+
+   b is the force of the stress.
 */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
   const double complex s = k * k * (cell->kappa + cell->chi);
-  const PetscReal      f = cell->filter;
+  const PetscReal      f = cell->filter, lost = cell->alpha * k * cell->drag;
 
-  return MpmQuadraticRadius(1 + f - s, f + (cell->alpha - f) * s);
+  return MpmQuadraticRadius(1 + f - s - lost, f + (cell->alpha - f) * s - lost);
 }
 
 /* The limit is where Jury's condition trace >= -(1 + det) holds with equality. */
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
-  return sqrt(2 * (1 + cell->filter) / ((1 + cell->filter - cell->alpha) * cell->kappa));
+  return MpmDampedLimit(cell, sqrt(2 * (1 + cell->filter) / ((1 + cell->filter - cell->alpha) * cell->kappa)));
 }
 
 /* s <= 2 (1 + f) / (1 + f - alpha) is least where alpha is 0. */

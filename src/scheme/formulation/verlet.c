@@ -52,19 +52,21 @@ static PetscInt Lines(const MpmSchemeNumbers *numbers, const MpmTransfer *transf
 }
 
 /*
-   A step takes the node's velocity v and force b = - a of the strain so far to
+   A step takes the node's velocity v and the force b of the strain so far to
 
-     a = - b - p v,    v' = f v + alpha a,    b' = b + p v + q (v + a) + x (v + m a)
+     a = - b - (p + d) v,    v' = f v + alpha a,    b' = b + p v + q (v + a) + x (v + m a)
 
-   with p = (1 - w) k^2 kappa, q = w k^2 kappa, x = k^2 chi, and m the share of the new velocity that particles move with.
+   with p = (1 - w) k^2 kappa, q = w k^2 kappa, d = k drag, x = k^2 chi, and m the share of the new velocity that particles
+   move with.
 */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {
   const PetscReal f = cell->filter, w = cell->numbers->share, m = cell->numbers->move_share,
-                  p = (1 - w) * k * k * cell->kappa, q = w * k * k * cell->kappa;
+                  p = (1 - w) * k * k * cell->kappa, q = w * k * k * cell->kappa, lost = cell->alpha * k * cell->drag;
   const double complex x = k * k * cell->chi;
 
-  return MpmQuadraticRadius(1 + f - cell->alpha * p - q - m * x, f - (f - cell->alpha) * q - (m * f - cell->alpha) * x);
+  return MpmQuadraticRadius(1 + f - cell->alpha * p - q - m * x - lost,
+                            f - (f - cell->alpha) * q - (m * f - cell->alpha) * x - lost);
 }
 
 /* The limit is where Jury's condition trace >= -(1 + det) holds with equality. */
@@ -72,7 +74,7 @@ static PetscReal Limit(const MpmCellSymbols *cell)
 {
   const PetscReal f = cell->filter, w = cell->numbers->share;
 
-  return sqrt(2 * (1 + f) / ((w * (1 + f) + (1 - 2 * w) * cell->alpha) * cell->kappa));
+  return MpmDampedLimit(cell, sqrt(2 * (1 + f) / ((w * (1 + f) + (1 - 2 * w) * cell->alpha) * cell->kappa)));
 }
 
 /* With f = 1 the limit is linear in alpha, and least at one of its ends: s <= 4, or s <= 2 / w. */
