@@ -61,6 +61,7 @@
    MPM_COLLIDE    - node += component axis of P(u) - u at the nodes inside colliders, P what they make of a velocity; src is
                     that component of u, whose others are next to it
    MPM_WALL       - node = a f at the wall node of one end (side) alone
+   MPM_LOCAL      - node -= a abs(node) sign(f), which is not linear
    MPM_DRIFT      - x_p += U0 dt
 
    In the tables of formulations only. MpmTableCreate replaces them by operations that depend on transfer and boundary:
@@ -98,6 +99,7 @@ typedef enum {
   MPM_IMPLICIT,
   MPM_COLLIDE,
   MPM_WALL,
+  MPM_LOCAL,
   MPM_ADVANCE,
   MPM_DRIFT,
   MPM_FILTER,

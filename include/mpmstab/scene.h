@@ -52,7 +52,7 @@ extern const char *const MpmStepBoundNames[];
    gravity, body_force - at finite deformation, forces per mass: uniform, in length / time^2; and one that depends on place
                           and time, or NULL
    colliders              - the bodies of the layout, as text; "" without any
-   grid_damping, viscosity, shear_viscosity - alpha per time, and the viscosities, in the units that the user gave: those of
+   grid_damping, viscosity, shear_viscosity, bulk_viscosity - alpha per time, and the viscosities, in the units that the user gave: those of
                           the scene where it is physical, else c / h and rho c h
    scheme_hash, parameters - what tells the written scheme from others, and the values of its parameters; "" without one
 S*/
@@ -72,7 +72,7 @@ struct MpmScene_ {
   char            scheme_hash[17], parameters[512], colliders[512];
   const MpmLaw   *law;
   PetscReal       stretch[MPM_MAX_DIM], lame_ratio, exponent;
-  PetscReal       gravity[MPM_MAX_DIM], grid_damping, viscosity, shear_viscosity;
+  PetscReal       gravity[MPM_MAX_DIM], grid_damping, viscosity, shear_viscosity, bulk_viscosity;
   MpmBodyForce    body_force;
 };
 

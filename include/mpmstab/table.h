@@ -133,6 +133,7 @@ extern const char *const MpmMoveNames[];
    ends     - the kinds of the left and of the right end of each direction. IMPOSE and REACT become WALL at those that
               are fixed, and nothing at others.
    damping  - alpha, the part of the velocity that is lost per time, in units of c / h
+   local    - the part of the force on a node that is taken off against its velocity (Cundall). The step is not linear then.
    viscous  - lambda and mu of the viscous stress lambda tr(D) I + 2 mu D, D the symmetric part of the velocity's gradient,
               in units of rho c h. At finite deformation this is a Kirchhoff stress.
    proportional - the viscous stress is that of STRESS at a strain of D times a number, which is lambda + 2 mu
@@ -148,7 +149,7 @@ typedef struct {
   PetscBool     finite, loaded, collides;
   PetscReal     stretch[MPM_MAX_DIM], stiffness;
   MpmEnd        ends[MPM_MAX_DIM][2];
-  PetscReal     damping, viscous[2];
+  PetscReal     damping, local, viscous[2];
   PetscBool     proportional;
 
   MpmMaterialNumbers material;
@@ -157,7 +158,8 @@ typedef struct {
 /* Not collective. Whether a table has terms of damping or viscosity (src/scheme/table_damping.c). */
 static inline PetscBool MpmSpaceIsDamped(const MpmSpace *space)
 {
-  return space->damping != 0 || space->viscous[0] != 0 || space->viscous[1] != 0 ? PETSC_TRUE : PETSC_FALSE;
+  return space->damping != 0 || space->local != 0 || space->viscous[0] != 0 || space->viscous[1] != 0 ? PETSC_TRUE
+                                                                                                      : PETSC_FALSE;
 }
 
 /* Not collective. What a motion whose strains have the stiffness kappa loses per time, in units of c / h: alpha + eta kappa. */

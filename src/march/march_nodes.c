@@ -1,5 +1,6 @@
 /* What a march does on nodes alone, row by row of nodes. */
 #include "march/march_nodes.h"
+#include <math.h>
 
 /* Folds the sums of a field at images beyond walls, or sets the images. One axis comes after the other. */
 static void Images(const MpmMarch *march, const MpmParity parity[], PetscBool fold, PetscReal array[])
@@ -76,6 +77,8 @@ static void RunRow(const MpmNodeOp *op, PetscInt stride, PetscInt n, const Petsc
     for (PetscInt i = 0; i < n; i++) out[i] += a * ((f[i + stride] - f[i]) - (f[i] - f[i - stride]));
   else if (op->kind == MPM_LAP)
     for (PetscInt i = 0; i < n; i++) out[i] = a * ((f[i + stride] - f[i]) - (f[i] - f[i - stride]));
+  else if (op->kind == MPM_LOCAL)
+    for (PetscInt i = 0; i < n; i++) out[i] -= f[i] == 0 ? 0 : a * fabs(out[i]) * (f[i] > 0 ? 1 : -1);
   else if (op->accumulates)
     MpmNodeAdd(0, n, a, f, out);
   else

@@ -67,7 +67,7 @@ static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
   const PetscBool   solves = op->kind == MPM_SOLVE || op->kind == MPM_IMPLICIT ? PETSC_TRUE : PETSC_FALSE;
   const PetscInt    reads  = solves ? 0 : c->depth[op->src] + traits.halo;
-  const PetscBool   keeps  = op->accumulates || op->kind == MPM_WALL ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   keeps = op->accumulates || op->kind == MPM_WALL || op->kind == MPM_LOCAL ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   PetscCheck(pass->nnode_ops < MPM_MAX_PASS_OPS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASS_OPS");

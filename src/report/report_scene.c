@@ -68,6 +68,7 @@ static PetscErrorCode PrintDamping(const MpmScene *s, const MpmRequest *request)
 {
   const MpmSpace *space    = &s->scheme.space;
   const PetscBool physical = MpmSceneIsPhysical(s);
+  const PetscBool viscous  = space->viscous[0] != 0 || space->viscous[1] != 0 ? PETSC_TRUE : PETSC_FALSE;
   const char     *between  = "";
 
   PetscFunctionBegin;
@@ -77,10 +78,12 @@ static PetscErrorCode PrintDamping(const MpmScene *s, const MpmRequest *request)
     if (physical) MpmPrint(" (%.6g c / h)", space->damping);
     between = ", ";
   }
-  if (s->viscosity != 0 || s->shear_viscosity != 0) {
+  if (viscous) {
     MpmPrint("%sviscosity lambda %.6g, mu %.6g rho c h", between, space->viscous[0], space->viscous[1]);
-    if (physical) PetscCall(PrintFields(s, request, " (Kelvin-Voigt {viscosity}, shear {shear_viscosity})"));
+    if (physical)
+      PetscCall(PrintFields(s, request, " (Kelvin-Voigt {viscosity}, shear {shear_viscosity}, bulk {bulk_viscosity})"));
   }
+  if (space->local != 0) MpmPrint("%slocal damping %g", between[0] || viscous ? ", " : "", space->local);
   MpmPrint("\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -112,7 +112,9 @@ WHEN(HasStretch, s->law != &MpmLawLinear || s->scheme.space.finite)
 WHEN(HasLameRatio, s->law == &MpmLawNeo || (s->scheme.space.finite && s->law->solid))
 WHEN(HasExponent, s->law->exponent > 0)
 WHEN(HasDamping, s->grid_damping != 0)
+WHEN(HasLocal, s->scheme.space.local != 0)
 WHEN(HasViscosity, s->viscosity != 0)
+WHEN(HasBulkViscosity, s->bulk_viscosity != 0)
 WHEN(HasShearViscosity, s->shear_viscosity != 0)
 
 /* ---- the table ---- */
@@ -217,10 +219,14 @@ const MpmField MpmOptions[] = {
    ANY, .tasks = "run, spectrum", EACH(AS_REAL, gravity, gravity[0]), IN(82, 64, 57, 48), SHOWN(HasGravity)},
   {"grid_damping", MPM_REAL, "0", "momentum schemes: alpha, the grid's velocity loses alpha dt of itself in a step; in units of c / h, in a scene in physical units per time",
    FROM(0), KEPT(AS_REAL, grid_damping), IN(96, 78, 71, 55), SHOWN(HasDamping)},
+  {"local_damping", MPM_REAL, "0", "momentum schemes: the part of the force on each node that is taken off against its velocity (Cundall); codes for soils take 0.7 or 0.8",
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.space.local), IN(99, 81, 74, 0), SHOWN(HasLocal)},
   {"viscosity", MPM_REAL, "0", "momentum schemes: viscosity of a Kelvin-Voigt solid, in proportion to its stiffness; eta of P waves, in units of rho c h, in a scene in physical units pressure x time",
    FROM(0), KEPT(AS_REAL, viscosity), IN(97, 79, 72, 56), SHOWN(HasViscosity)},
   {"shear_viscosity", MPM_REAL, "0", "momentum schemes: viscosity of a Newtonian fluid without bulk viscosity, 2 eta times the deviator of the strain rate; in the units of viscosity",
    FROM(0), KEPT(AS_REAL, shear_viscosity), IN(98, 80, 73, 57), SHOWN(HasShearViscosity)},
+  {"bulk_viscosity", MPM_REAL, "0", "momentum schemes: viscosity against a change of volume, times the divergence of the velocity, as the linear term of an artificial viscosity has it in compression; in the units of viscosity",
+   FROM(0), KEPT(AS_REAL, bulk_viscosity), IN(100, 82, 75, 58), SHOWN(HasBulkViscosity)},
   {"density_ratio", MPM_REAL, "1", "density of the second material over the first's",
    BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), SHOWN(HasMaterial), .json = "material.density_ratio"},
   {"stiffness_ratio", MPM_REAL, "1", "stiffness of the second material over the first's",

@@ -46,15 +46,17 @@ PetscErrorCode MpmSettingsReadDamping(const MpmSettings *settings, MpmScene *sce
   MpmSpace       *space = &scene->scheme.space;
   const PetscReal nu    = space->finite && !scene->law->solid ? 0.5 : space->poisson,
                   mu    = scene->layout.dim == 1 ? 0 : (1 - 2 * nu) / (2 * (1 - nu));
-  PetscReal solid = scene->viscosity, fluid = scene->shear_viscosity;
+  PetscReal solid = scene->viscosity, fluid = scene->shear_viscosity, bulk = scene->bulk_viscosity;
 
   PetscFunctionBegin;
   PetscCall(Check(settings, scene, "grid_damping", scene->grid_damping));
+  PetscCall(Check(settings, scene, "local_damping", space->local));
   PetscCall(Scaled(settings, scene, "viscosity", &solid));
   PetscCall(Scaled(settings, scene, "shear_viscosity", &fluid));
+  PetscCall(Scaled(settings, scene, "bulk_viscosity", &bulk));
   space->damping      = scene->grid_damping * (MpmSceneIsPhysical(scene) ? scene->cell_width / scene->wave_speed : 1);
-  space->viscous[0]   = solid * (1 - 2 * mu) - 2 * fluid / 3;
+  space->viscous[0]   = solid * (1 - 2 * mu) - 2 * fluid / 3 + bulk;
   space->viscous[1]   = solid * mu + fluid;
-  space->proportional = fluid == 0 || scene->layout.dim == 1 ? PETSC_TRUE : PETSC_FALSE;
+  space->proportional = (fluid == 0 && bulk == 0) || scene->layout.dim == 1 ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

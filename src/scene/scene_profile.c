@@ -15,7 +15,8 @@ PetscBool MpmSceneHasExact(const MpmScene *scene)
   if (!scene->scheme.formulation->wave) return PETSC_FALSE;
   if (scene->scheme.space.finite) return MpmSolutionOf(scene) ? PETSC_TRUE : PETSC_FALSE;
   if (!MpmInitialHasExact(scene->initial) || scene->layout.material.kind != MPM_MATERIAL_UNIFORM) return PETSC_FALSE;
-  if (MpmSpaceIsDamped(&scene->scheme.space) && (scene->initial != MPM_INITIAL_MODE || scene->scheme.space.displaced))
+  if (MpmSpaceIsDamped(&scene->scheme.space) &&
+      (scene->initial != MPM_INITIAL_MODE || scene->scheme.space.displaced || scene->scheme.space.local != 0))
     return PETSC_FALSE;
   if (MpmSceneIsFull(scene)) return PETSC_TRUE;
   return scene->layout.dim == 1 && scene->layout.first[0] == 0 && scene->layout.grid[0].ends[1] == MPM_FREE

@@ -665,6 +665,10 @@ PetscErrorCode MpmTableRequireLinear(const MpmTable *table)
   MpmCheckInput(!MpmTableIsFinite(table),
                 "kinematics finite: the step is not linear, so that it has no operator and no "
                 "symbol; allowed: kinematics linear");
+  MpmCheckInput(
+      !MpmTableHas(table, MPM_LOCAL),
+      "local_damping: the force that it takes off turns with the sign of a velocity, so that the step has no operator, "
+      "no symbol and no limit; allowed: task run, or grid_damping");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

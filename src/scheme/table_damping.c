@@ -8,14 +8,14 @@
      q_p = lambda tr(D) I + 2 mu D,    D the symmetric part of GRAD v_i        viscous stress, scratch
      a_i = - k DIV (s + q) - alpha k v_i
 
-   with lambda and mu in units of rho c h, and alpha in units of c / h. v_i is the node field that the formulation has set last
+   and, with local damping, a_i -= beta abs(a_i) sign(v_i) of each component after that, with lambda and mu in units of rho c h, and alpha in units of c / h. v_i is the node field that the formulation has set last
    before, by P2G or from other nodes. So all is explicit, and at the places of the start of the step.
 
    usf, musl and usavg take their strain from this velocity, too, so that the stress and its viscous part belong to one
    velocity. usl takes the strain of the step before from v_i + a_i.
 
    Source: Landau and Lifshitz 1986, section 34 (viscosity of solids); Nairn 2003 and Uintah subtract alpha v_i from the
-   acceleration of nodes.
+   acceleration of nodes; Cundall 1987 (local damping).
 */
 #include "scheme/table_builder.h"
 #include <mpmstab/errors.h>
@@ -129,16 +129,21 @@ PetscErrorCode MpmDampingAfter(MpmTableBuilder *b, PetscInt o)
       if (b->space->viscous[1] != 0 || axis == a)
         PetscCall(MpmBuilderTerm(b, op, b->node[op->dst] + a, Component(b, a, axis), axis, 1, PETSC_TRUE));
   velocity = VelocityLine(f, o);
-  if (b->space->damping == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(velocity != MPM_NONE && !(IsForce(f, o + 1) && f->ops[o + 1].dst == op->dst),
-                "%s: grid_damping needs a force that one line makes, and the velocity of the grid before it; allowed: "
-                "without grid_damping",
-                b->table->where);
+  if (b->space->damping == 0 && b->space->local == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmCheckInput(
+      velocity != MPM_NONE && !(IsForce(f, o + 1) && f->ops[o + 1].dst == op->dst),
+      "%s: damping needs a force that one line makes, and the velocity of the grid before it; allowed: without "
+      "grid_damping and local_damping",
+      b->table->where);
   for (PetscInt a = 0; a < b->space->dim; a++) {
-    MpmOp lost = ADD_TIMES(b->node[op->dst] + a, b->node[f->ops[velocity].dst] + a, op->factor * b->space->damping);
+    const PetscInt force = b->node[op->dst] + a, v = b->node[f->ops[velocity].dst] + a;
+    MpmOp          lost = ADD_TIMES(force, v, op->factor * b->space->damping);
 
     lost.coefficient = op->coefficient;
-    PetscCall(MpmTableAppendOwn(b->table, lost));
+    if (b->space->damping != 0) PetscCall(MpmTableAppendOwn(b->table, lost));
+    if (b->space->local != 0)
+      PetscCall(
+          MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOCAL, .dst = force, .src = v, .factor = b->space->local}));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -24,6 +24,7 @@ static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, Pets
   if (!MpmLayoutIsUniform(layout)) return "the formulas are for cells that are all alike";
   if (!scheme->transfer->filter_symbol) return "no closed form for this transfer";
   if (!MpmSpaceIsDamped(&scheme->space)) return NULL;
+  if (scheme->space.local != 0) return "local damping is not linear";
   if (MpmSpaceIsPrestressed(&scheme->space))
     return "no closed form with damping or viscosity about a prestressed state";
   if (layout->dim > 1 && scheme->space.viscous[1] + scheme->space.viscous[0] != 0 && !scheme->space.proportional)

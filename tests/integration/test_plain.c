@@ -109,6 +109,7 @@ static PetscErrorCode Run(int argc, char **argv)
       "-formulation usf -dim 3 -cells 12 -initial random -courant 0.1 -boundary fixed -transfer xpic",
       "-formulation usl -dim 2 -cells 16 -initial random -courant 0.1 -jitter 0.4 -viscosity 0.2 -shear_viscosity 0.1 "
       "-grid_damping 0.3",
+      "-formulation verlet -dim 2 -cells 16 -initial random -courant 0.2 -jitter 0.4 -local_damping 0.7",
       "-formulation usl -dim 2 -cells 16 -initial random -courant 0.1 -drift 0.1 -transfer fmpm -viscosity 0.2 "
       "-basis quadratic",
       "-formulation musl -kinematics finite -dim 2 -cells 16 -initial random -amplitude 0.01 -courant 0.1 -basis "

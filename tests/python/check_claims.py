@@ -102,12 +102,12 @@ def value_of(found, result):
     path, sign, number = (found.split() + ["-", "0"])[:3]
     *above, last = path.split(".")
     for name in above:
-        result = result.get(name)
+        result = result.get(name) if isinstance(result, dict) else result[int(name)]
         if result is None:
             return None
     if last == "critical_courant" and last not in result:
         return float("inf")  # there is no limit
-    value = result.get(last)
+    value = result.get(last) if isinstance(result, dict) else result[int(last)]
     if value is None:
         return None
     return float(value) / float(number) if sign == "/" else float(value) - float(number)

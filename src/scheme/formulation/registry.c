@@ -102,6 +102,7 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
       [MPM_IMPLICIT]     = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
       [MPM_COLLIDE]      = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
       [MPM_WALL]         = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
+      [MPM_LOCAL]        = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES},
       [MPM_ADVANCE]      = {.dst = MPM_NOWHERE, .src = MPM_ON_PARTICLES},
       [MPM_DRIFT]        = {.dst = MPM_NOWHERE, .src = MPM_NOWHERE},
   };
