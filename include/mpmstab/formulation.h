@@ -46,6 +46,7 @@
                     brought back to its start (scheme/deform.h); L is src, and T has dim rows of dim numbers
    MPM_LOAD       - b = the body force per mass at the particle's place at rest, in units of c^2 / h, at a part a of the step
    MPM_STRETCH    - F <- (I + L + a L L) F, a the factor: 0, or 1/2 in steps of several stages
+   MPM_RETURN     - F and the internal variables after it <- what MpmMaterialReturn makes of them; src is dst
    MPM_ADVANCE    - x_p += particle, in cells
 
    On particles, and on nodes. f is another field; a COPY may also be of a node field to itself, which multiplies it:
@@ -91,6 +92,7 @@ typedef enum {
   MPM_STRESS_AHEAD,
   MPM_LOAD,
   MPM_STRETCH,
+  MPM_RETURN,
   MPM_SCALE,
   MPM_ADD,
   MPM_LAP,

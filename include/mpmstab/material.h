@@ -4,11 +4,30 @@
    Stresses and energies are in units of rho0 c0^2, speeds in units of c0, where rho0 is the density at rest and c0 the
    speed of P waves in the material at rest. F is the deformation gradient, dim x dim, row by row; with dim 2 the strain
    is plane. A symmetric tensor has its components in the order 00 01 02 11 12 22.
+
+   A material that flows has a yield surface. Its F is the elastic part, and after it come its internal variables
+   (MpmMaterialComponents): wherever F or dF is an argument, they are, too.
 */
 #pragma once
 #include <mpmstab/compat.h>
 
+#define MPM_MOST_STRETCH 10 /* the largest number of components of F and of internal variables together */
+
 typedef struct MpmLaw_ MpmLaw;
+
+/*E
+   MpmPlasticNumber - the numbers of materials that flow; MpmPlasticNames has the options of the same names.
+E*/
+typedef enum {
+  MPM_YIELD,
+  MPM_HARDENING,
+  MPM_SATURATION,
+  MPM_SATURATION_RATE,
+  MPM_COMPRESSION_LIMIT,
+  MPM_STRETCH_LIMIT,
+  MPM_PLASTIC_NUMBERS
+} MpmPlasticNumber;
+extern const char *const MpmPlasticNames[];
 
 /*S
    MpmMaterialNumbers - a material.
@@ -16,11 +35,39 @@ typedef struct MpmLaw_ MpmLaw;
    law        - its law
    mu, lambda - Lame's moduli at rest, of solids; lambda + 2 mu is 1 in the units of this header
    exponent   - n of fluids whose pressure is a power of density
+   plastic    - the numbers of a material that flows
 S*/
 typedef struct {
   const MpmLaw *law;
-  PetscReal     mu, lambda, exponent;
+  PetscReal     mu, lambda, exponent, plastic[MPM_PLASTIC_NUMBERS];
 } MpmMaterialNumbers;
+
+/*S
+   MpmPlastic - how an isotropic material flows, in the logarithms e[0..2] of the principal elastic stretches, and one
+   internal variable q.
+
+   internal, start - the name of q, and where it begins
+   outside  - with dim 1 and 2 the material flows out of the line or plane, too. The elastic strain there is then an
+              internal variable, e_out; without it, it is 0.
+   number   - the numbers that the law reads (usual, or what an option says), and their range; others have reads false
+   yield    - above 0 the material flows; 0 is the yield surface
+   back     - from the trial values of e and q to those after the flow. slope (NULL: none): their derivatives by e and q
+   stress   - the principal Kirchhoff stresses T, and slope (NULL: none): their derivatives by e and q
+   energy   - the elastic energy
+S*/
+typedef struct {
+  const char *internal;
+  PetscReal   start;
+  PetscBool   outside;
+  struct {
+    PetscBool reads;
+    PetscReal usual, least, most;
+  } number[MPM_PLASTIC_NUMBERS];
+  PetscReal (*yield)(const MpmMaterialNumbers *, const PetscReal e[3], PetscReal q);
+  void (*back)(const MpmMaterialNumbers *, PetscReal e[3], PetscReal *q, PetscReal slope[4][4]);
+  void (*stress)(const MpmMaterialNumbers *, const PetscReal e[3], PetscReal q, PetscReal T[3], PetscReal slope[3][4]);
+  PetscReal (*energy)(const MpmMaterialNumbers *, const PetscReal e[3], PetscReal q);
+} MpmPlastic;
 
 /*S
    MpmLaw - what the stress depends on: one file of src/scheme/material/, and a line of the list there.
@@ -33,6 +80,7 @@ typedef struct {
    stretched - of a solid with the stretches F[a] along the axes, J times the stiffness that small strains about this state
                feel. It is isotropic, with lambda and mu, but for a factor q[a] for each index a. NULL where it has no such
                form: schemes that are linear about a stretched state then have no such material.
+   plastic   - how the material flows; NULL: it does not
 S*/
 struct MpmLaw_ {
   const char *name;
@@ -46,6 +94,7 @@ struct MpmLaw_ {
   PetscReal (*modulus)(const MpmMaterialNumbers *, PetscInt dim, PetscReal largest, PetscReal trace, PetscReal J);
   void (*stretched)(const MpmMaterialNumbers *, PetscInt dim, const PetscReal F[], PetscReal *lambda, PetscReal *mu,
                     PetscReal q[]);
+  const MpmPlastic *plastic;
 };
 
 /*
@@ -59,15 +108,68 @@ struct MpmLaw_ {
      MpmLawTait       - a liquid: tau = -J p I with the pressure p = (J^-n - 1) / n
      MpmLawGas        - a gas at constant temperature: p = 1 / J
      MpmLawPolytropic - a gas whose pressure grows with a power of density: p = J^-n / n
+
+   Those that flow (plastic.c):
+
+     MpmLawMises - metal: Hencky's solid, von Mises' yield stress with linear and Voce hardening
+     MpmLawSnow  - snow: principal stretches within bounds, and moduli that grow as it is compressed for good
 */
-extern const MpmLaw        MpmLawLinear, MpmLawNeo, MpmLawSvk, MpmLawTait, MpmLawGas, MpmLawPolytropic;
+extern const MpmLaw MpmLawLinear, MpmLawNeo, MpmLawSvk, MpmLawTait, MpmLawGas, MpmLawPolytropic, MpmLawMises,
+    MpmLawSnow;
 extern const MpmLaw *const MpmLaws[];
 
 /* Not collective. Lame's moduli of a solid from their ratio lambda / mu, in the units of this header. */
 static inline MpmMaterialNumbers MpmMaterialOfRatio(const MpmLaw *law, PetscReal lambda_over_mu, PetscReal exponent)
 {
-  return (MpmMaterialNumbers){law, 1 / (2 + lambda_over_mu), lambda_over_mu / (2 + lambda_over_mu), exponent};
+  MpmMaterialNumbers m = {law, 1 / (2 + lambda_over_mu), lambda_over_mu / (2 + lambda_over_mu), exponent, {0}};
+
+  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS && law->plastic; i++) m.plastic[i] = law->plastic->number[i].usual;
+  return m;
 }
+
+/*
+   MpmMaterialComponents - the number of components of F, and of internal variables after them
+   MpmMaterialInternal   - the name of internal variable i, and where it begins
+
+   Not collective.
+*/
+static inline PetscInt MpmMaterialComponents(const MpmLaw *law, PetscInt dim)
+{
+  if (!law->plastic) return dim * dim;
+  return dim * dim + (law->plastic->internal ? 1 : 0) + (law->plastic->outside && dim < 3 ? 1 : 0);
+}
+
+static inline const char *MpmMaterialInternal(const MpmLaw *law, PetscInt i, PetscReal *start)
+{
+  const PetscBool own = i == 0 && law->plastic->internal ? PETSC_TRUE : PETSC_FALSE;
+
+  *start = own ? law->plastic->start : 0;
+  return own ? law->plastic->internal : "e_out";
+}
+
+/*
+   MpmMaterialReturn - lets n particles flow: from the trial value of F and their internal variables to those on the yield
+   surface, where the trial value is beyond it.
+
+   Not collective. Particles within the surface stay as they are, to the last bit. F: as in MpmMaterialStress.
+*/
+void MpmMaterialReturn(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, PetscReal *const F[]);
+
+/*E
+   MpmBranch - which derivative a particle has that stands on the yield surface: that of its own trial value, or of one
+   just beyond, or just within.
+E*/
+typedef enum { MPM_BRANCH_OWN, MPM_BRANCH_LOADING, MPM_BRANCH_UNLOADING } MpmBranch;
+extern const char *const MpmBranchNames[];
+
+/*
+   MpmMaterialReturnTangent - the differential of MpmMaterialReturn at the trial value F along dF: the consistent tangent
+   of Simo and Taylor (1985), with that of the stress.
+
+   Not collective. Returns how many particles stand on the yield surface, where the branch decides.
+*/
+PetscInt MpmMaterialReturnTangent(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, MpmBranch branch,
+                                  const PetscReal *const F[], const PetscReal *const dF[], PetscReal *const after[]);
 
 /*
    MpmMaterialStress - the Kirchhoff stress tau of n particles, tau = (d psi / d F) F^T.
@@ -96,10 +198,10 @@ void MpmMaterialEnergy(const MpmMaterialNumbers *material, PetscInt dim, PetscIn
                        PetscReal psi[]);
 
 /*
-   MpmMaterialModulus - rho0 c^2, where c is the speed of P waves along the direction in which the material is stretched
-   most. Of no principal direction of stretch the P waves are faster.
+   MpmMaterialModulus - rho0 c^2, where c is the speed of the fastest P waves along a principal direction of stretch: that in
+   which the material is stretched most, but for those that flow. These are the waves in which it does not flow.
 
-   Not collective. F has dim * dim numbers. With dim 1 the modulus is F^2 dP/dF, where P is the nominal stress. It is not
+   Not collective. F has the numbers of MpmMaterialComponents. With dim 1 the modulus is F^2 dP/dF, where P is the nominal stress. It is not
    positive where such waves do not travel.
 */
 PetscReal MpmMaterialModulus(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[]);

@@ -49,6 +49,7 @@ extern const char *const MpmStepBoundNames[];
    law, stretch         - the material, and the stretch F0 in each direction that the scheme is linear about. They give
                           the prestress (MpmSpace) and the wave speed in the stretched state.
    lame_ratio, exponent - lambda / mu of neo, and the exponent of tait and polytropic
+   plastic              - the numbers of a material that flows
    gravity, body_force - at finite deformation, forces per mass: uniform, in length / time^2; and one that depends on place
                           and time, or NULL
    colliders              - the bodies of the layout, as text; "" without any
@@ -71,7 +72,7 @@ struct MpmScene_ {
   MpmFormulation *own;
   char            scheme_hash[17], parameters[512], colliders[512];
   const MpmLaw   *law;
-  PetscReal       stretch[MPM_MAX_DIM], lame_ratio, exponent;
+  PetscReal       stretch[MPM_MAX_DIM], lame_ratio, exponent, plastic[MPM_PLASTIC_NUMBERS];
   PetscReal       gravity[MPM_MAX_DIM], grid_damping, viscosity, shear_viscosity, bulk_viscosity;
   MpmBodyForce    body_force;
 };

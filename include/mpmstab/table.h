@@ -26,8 +26,8 @@
    component     - component[r]: which of the field's components it is
    parity        - parity[n][a]: what node register n is beyond the ends of direction a
    filtered      - filtered[r]: the filter of the transfer acts on state register r
-   stretch       - at finite deformation the first register of the stretch F, which has dim rows of dim numbers; else
-                   MPM_NONE
+   stretch       - at finite deformation the first register of the stretch F, which has dim rows of dim numbers, and
+                   after them the internal variables of the material (MpmTableStretches); else MPM_NONE
    material      - the material that gives a stress at a stretch
    displacement  - the first register of the displacement of particles, or MPM_NONE
    affine        - the first register of the vector that has an affine part, or MPM_NONE
@@ -70,6 +70,12 @@ PetscErrorCode MpmTableRequireLinear(const MpmTable *table);
 static inline PetscBool MpmTableIsFinite(const MpmTable *table)
 {
   return table->stretch != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Not collective. The number of registers of the stretch, with the internal variables of the material. */
+static inline PetscInt MpmTableStretches(const MpmTable *table)
+{
+  return MpmMaterialComponents(table->material.law, table->dim);
 }
 
 #define MPM_MAX_NODE_OPS 128 /* the largest number of operations on nodes that follow one another */

@@ -89,7 +89,8 @@ def panels_of(names):
     vector, stress = vector_of(names), stress_of(names)
     found = [Panel(f"size of {vector[0][0]}", False, lambda all_: size_of([all_[name] for name in vector]),
                    vector)] if vector else []
-    found += [Panel(name, True, lambda all_, name=name: all_[name]) for name in names
+    internal = any(name.startswith("f_") for name in names)  # beside F the others are internal variables, without a unit
+    found += [Panel(name, not internal, lambda all_, name=name: all_[name], pure=internal) for name in names
               if name not in vector and name not in stress.values() and not name.startswith(("c", "f_"))]
     return found + (invariants_of(stress) if stress else []) + stretches_of(names)
 

@@ -187,23 +187,23 @@ PetscBool MpmPaceIsOver(const MpmPace *pace, const MpmMarch *march)
 static PetscErrorCode LargestSpeeds(const MpmMarch *march, PetscReal **moduli, PetscReal speed[2])
 {
   const MpmTable  *t   = march->scheme->table;
-  const PetscInt   dim = t->dim, n = march->particles->count;
-  const PetscReal *F[MPM_MAX_DIM * MPM_MAX_DIM], *q;
+  const PetscInt   dim = t->dim, components = MpmTableStretches(t), n = march->particles->count;
+  const PetscReal *F[MPM_MOST_STRETCH], *q;
 
   PetscFunctionBegin;
   speed[0] = speed[1] = 0;
   PetscCall(PetscFree(*moduli));
   PetscCall(PetscMalloc1(n, moduli));
-  for (PetscInt c = 0; c < dim * dim; c++)
+  for (PetscInt c = 0; c < components; c++)
     PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
   for (PetscInt p = 0; p < n; p++) {
-    PetscReal at[MPM_MAX_DIM * MPM_MAX_DIM];
+    PetscReal at[MPM_MOST_STRETCH];
 
-    for (PetscInt c = 0; c < dim * dim; c++) at[c] = F[c][p];
+    for (PetscInt c = 0; c < components; c++) at[c] = F[c][p];
     (*moduli)[p] = fmax(MpmMaterialModulus(&t->material, dim, at), 0) * march->scheme->space.stiffness;
     speed[0]     = PetscMax(speed[0], sqrt((*moduli)[p]));
   }
-  for (PetscInt c = 0; c < dim * dim; c++)
+  for (PetscInt c = 0; c < components; c++)
     PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
   for (PetscInt r = 0; r < t->nstate; r++) {
     if (t->field[r] == MPM_STRETCHED || t->field[r] == MPM_NONE) continue;

@@ -107,14 +107,14 @@ PetscErrorCode MpmTangentsCreate(const MpmMarch *march, const MpmRequest *reques
 static PetscErrorCode LargestSpeed(const MpmTangents *t, const MpmScheme *scheme, PetscReal *speed)
 {
   const MpmTable  *table = scheme->table;
-  const PetscInt   n     = table->dim * table->dim;
-  const PetscReal *F[MPM_MAX_DIM * MPM_MAX_DIM];
+  const PetscInt   n     = MpmTableStretches(table);
+  const PetscReal *F[MPM_MOST_STRETCH];
 
   PetscFunctionBegin;
   *speed = 0;
   for (PetscInt c = 0; c < n; c++) PetscCall(VecGetArrayRead(t->state.field[table->stretch + c], &F[c]));
   for (PetscInt p = 0; p < t->space.sizes.particles; p++) {
-    PetscReal at[MPM_MAX_DIM * MPM_MAX_DIM];
+    PetscReal at[MPM_MOST_STRETCH];
 
     for (PetscInt c = 0; c < n; c++) at[c] = F[c][p];
     *speed = PetscMax(*speed, MpmMaterialSpeed(&table->material, table->dim, at));

@@ -5,11 +5,13 @@
 #include <stdio.h>
 #include <string.h>
 
-MpmFiniteWidth MpmFiniteWidthOf(MpmOpKind kind, PetscInt dim)
+MpmFiniteWidth MpmFiniteWidthOf(MpmOpKind kind, PetscInt dim, PetscInt stretches)
 {
   switch (kind) {
   case MPM_STRESS:
-    return (MpmFiniteWidth){dim * (dim + 1) / 2, dim * dim, 0};
+    return (MpmFiniteWidth){dim * (dim + 1) / 2, stretches, 0};
+  case MPM_RETURN:
+    return (MpmFiniteWidth){stretches, 0, 0};
   case MPM_STRETCH:
     return (MpmFiniteWidth){dim * dim, dim * dim, 0};
   case MPM_STRESS_AHEAD:
@@ -102,6 +104,8 @@ void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *b
     Load(march, block);
   else if (kind == MPM_ADVANCE)
     Advance(march, block);
+  else if (kind == MPM_RETURN)
+    MpmMaterialReturn(&march->scheme->table->material, dim, block->n, block->to);
   else {
     const PetscInt bad = MpmStretch(dim, block->n, block->a, block->to, from);
 

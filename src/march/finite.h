@@ -31,12 +31,12 @@ struct MpmWatch_ {
    the particles, or NULL where all are alike.
 S*/
 typedef struct {
-  PetscInt   begin, n;
-  PetscInt64 step;
-  PetscReal  a;
-  PetscReal *to[MPM_MAX_DIM * MPM_MAX_DIM], *from[MPM_MAX_DIM * MPM_MAX_DIM], *stretch[MPM_MAX_DIM * MPM_MAX_DIM];
-  PetscReal *xi[MPM_MAX_DIM];
-  PetscInt  *cell[MPM_MAX_DIM];
+  PetscInt          begin, n;
+  PetscInt64        step;
+  PetscReal         a;
+  PetscReal        *to[MPM_MOST_STRETCH], *from[MPM_MOST_STRETCH], *stretch[MPM_MOST_STRETCH];
+  PetscReal        *xi[MPM_MAX_DIM];
+  PetscInt         *cell[MPM_MAX_DIM];
   const PetscInt64 *id;
   const PetscReal  *stiffness;
 } MpmFiniteBlock;
@@ -51,11 +51,14 @@ struct MpmSolving_ {
   PetscBool product;
 };
 
-/* Not collective. The numbers of fields that an operation writes and reads; 0 of ADVANCE's places. stretch: of F besides. */
+/*
+   Not collective. The numbers of fields that an operation writes and reads; 0 of ADVANCE's places. stretch: of F besides.
+   stretches: MpmTableStretches, or without the internal variables, which are in no map.
+*/
 typedef struct {
   PetscInt to, from, stretch;
 } MpmFiniteWidth;
-MpmFiniteWidth MpmFiniteWidthOf(MpmOpKind kind, PetscInt dim);
+MpmFiniteWidth MpmFiniteWidthOf(MpmOpKind kind, PetscInt dim, PetscInt stretches);
 
 /* Not collective. Sets what a block from begin on has besides the fields. */
 void MpmFinitePlace(const MpmMarchArrays *arrays, MpmFiniteBlock *block);

@@ -22,6 +22,10 @@ static PetscReal Start(const MpmMarch *march, const MpmProfile *profile, PetscIn
   PetscReal       value = 0;
 
   if (X && MpmSolutionOf(march->scene)) return MpmSolutionRegister(march->scene, r, X, X, 0);
+  if (t->field[r] == MPM_STRETCHED && component >= dim * dim) {
+    (void)MpmMaterialInternal(t->material.law, component - dim * dim, &value);
+    return value;
+  }
   if (t->field[r] == MPM_STRETCHED)
     return component / dim == component % dim ? march->scheme->space.stretch[component / dim] : 0;
   if (t->field[r] != MPM_NONE) value = march->velocity[component];
@@ -30,13 +34,22 @@ static PetscReal Start(const MpmMarch *march, const MpmProfile *profile, PetscIn
   return value;
 }
 
+/* The unit of a component of the stretch: that at the start. Internal variables have none. */
+static PetscReal UnitOf(const MpmMarch *march, PetscInt component)
+{
+  const PetscInt dim = march->scheme->table->dim;
+
+  return component < dim * dim ? march->scheme->space.stretch[component % dim] : 1;
+}
+
 static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, PetscReal noise, PetscInt r,
                                 const PetscInt64 id[])
 {
-  const MpmTable  *t       = march->scheme->table;
-  const PetscBool  stretch = t->field[r] == MPM_STRETCHED ? PETSC_TRUE : PETSC_FALSE;
-  const PetscReal  size    = noise * (stretch ? march->scheme->space.stretch[t->component[r] % t->dim] : 1);
-  const PetscInt64 seed    = SeedOf(march, r);
+  const MpmTable  *t        = march->scheme->table;
+  const PetscBool  stretch  = t->field[r] == MPM_STRETCHED ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal  size     = noise * (stretch ? UnitOf(march, t->component[r]) : 1);
+  const PetscBool  internal = stretch && t->component[r] >= t->dim * t->dim ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt64 seed     = SeedOf(march, r);
   PetscReal       *q;
 
   PetscFunctionBegin;
@@ -46,7 +59,7 @@ static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, Pets
 
     MpmParticlesLagrangian(march->particles, id[p], march->cell_width, X);
     q[p] = Start(march, profile, r, march->scene ? X : NULL);
-    if (size > 0) q[p] += size * (2 * MpmHash(seed, id[p]) - 1);
+    if (size > 0 && !internal) q[p] += size * (2 * MpmHash(seed, id[p]) - 1);
   }
   PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -163,7 +176,7 @@ static PetscErrorCode FieldSquares(const MpmMarch *march, PetscInt r, PetscReal 
 {
   const MpmTable  *t       = march->scheme->table;
   const PetscBool  stretch = t->field[r] == MPM_STRETCHED ? PETSC_TRUE : PETSC_FALSE;
-  const PetscReal  unit    = stretch ? march->scheme->space.stretch[t->component[r] % t->dim] : 1;
+  const PetscReal  unit    = stretch ? UnitOf(march, t->component[r]) : 1;
   const PetscReal  start   = Start(march, NULL, r, NULL);
   const PetscReal *q;
 
@@ -262,9 +275,9 @@ static PetscErrorCode GravityEnergy(const MpmMarch *march, PetscReal *sum)
 static PetscErrorCode StrainEnergy(const MpmMarch *march, PetscReal psi[], PetscReal *sum)
 {
   const MpmTable  *t  = march->scheme->table;
-  const PetscInt   dd = t->dim * t->dim;
+  const PetscInt   dd = MpmTableStretches(t);
   const PetscReal *stiffness, *volume;
-  PetscReal       *F[MPM_MAX_DIM * MPM_MAX_DIM], energy = 0;
+  PetscReal       *F[MPM_MOST_STRETCH], energy = 0;
 
   PetscFunctionBegin;
   for (PetscInt c = 0; c < dd; c++) PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));

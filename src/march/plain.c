@@ -161,17 +161,17 @@ static PetscErrorCode SumToNodes(Plain *m, const MpmOp *op, PetscReal a)
 
 static void RunFinite(Plain *m, const MpmOp *op, PetscReal a)
 {
-  const PetscInt       dim = m->march->grid->dim, count = m->march->particles->count;
+  const MpmTable      *table = m->march->scheme->table;
+  const PetscInt       count = m->march->particles->count;
   const PetscBool      moves = op->kind == MPM_ADVANCE ? PETSC_TRUE : PETSC_FALSE;
-  const MpmFiniteWidth width = MpmFiniteWidthOf(op->kind, dim);
+  const MpmFiniteWidth width = MpmFiniteWidthOf(op->kind, table->dim, MpmTableStretches(table));
 
   for (PetscInt begin = 0; begin < count; begin += MPM_BLOCK) {
     MpmFiniteBlock block = {.begin = begin, .n = PetscMin(MPM_BLOCK, count - begin), .step = m->step, .a = a};
 
     for (PetscInt c = 0; c < width.to; c++) block.to[c] = FieldOf(m, (moves ? op->src : op->dst) + c) + begin;
     for (PetscInt c = 0; c < width.from; c++) block.from[c] = FieldOf(m, op->src + c) + begin;
-    for (PetscInt c = 0; c < width.stretch; c++)
-      block.stretch[c] = FieldOf(m, m->march->scheme->table->stretch + c) + begin;
+    for (PetscInt c = 0; c < width.stretch; c++) block.stretch[c] = FieldOf(m, table->stretch + c) + begin;
     MpmFinitePlace(&m->at, &block);
     MpmFiniteRun(m->march, op->kind, &block);
   }

@@ -139,7 +139,7 @@ static PetscBool Uses(const Group *g, PetscInt first, PetscInt n)
 /* Adds an operation of finite deformation. If the group uses none of its fields, it may come before the group. */
 static void AddFinite(Group *g, const MpmPassOp *op, PetscInt dim)
 {
-  const MpmFiniteWidth width = MpmFiniteWidthOf(op->map, dim);
+  const MpmFiniteWidth width = MpmFiniteWidthOf(op->map, dim, dim * dim);
 
   if (op->map == MPM_ADVANCE || Uses(g, op->particle, width.to) || Uses(g, op->other, width.from)) Close(g);
   AddStep(g->plan,

@@ -261,13 +261,13 @@ static void PrefetchPlace(const MpmMarchArrays *a, PetscInt begin)
 
 void MpmRowsFinite(const MpmMarchArrays *a, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after)
 {
-  const MpmFiniteWidth width = MpmFiniteWidthOf(step->finite, a->march->grid->dim);
+  const MpmTable      *table = a->march->scheme->table;
+  const MpmFiniteWidth width = MpmFiniteWidthOf(step->finite, table->dim, MpmTableStretches(table));
   MpmFiniteBlock       block = {.begin = begin, .n = n, .step = a->step + after, .a = step->a};
 
   for (PetscInt c = 0; c < width.to; c++) block.to[c] = MpmRowsField(a, step->particle + c, begin);
   for (PetscInt c = 0; c < width.from; c++) block.from[c] = MpmRowsField(a, step->other + c, begin);
-  for (PetscInt c = 0; c < width.stretch; c++)
-    block.stretch[c] = MpmRowsField(a, a->march->scheme->table->stretch + c, begin);
+  for (PetscInt c = 0; c < width.stretch; c++) block.stretch[c] = MpmRowsField(a, table->stretch + c, begin);
   MpmFinitePlace(a, &block);
   MpmFiniteRun(a->march, step->finite, &block);
 }

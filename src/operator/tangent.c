@@ -11,6 +11,7 @@
      LOAD   b                              db = 0
      COLLIDE y += P(u) - u                 dy += dP/du du - du, of the branch of P that u is on
      STRETCH F = A F, A = I + L + a L L    dF = A dF + (dL + a (dL L + L dL)) F
+     RETURN F = R(F), with the internal variables of the material      dF = sum dR/dF_ab dF_ab
 
    All weights are those of the start of the step. Operations that are linear with constant numbers are their own
    differentials.
@@ -41,7 +42,7 @@ static Slots SlotsOf(const MpmTable *t)
   s.place = t->nparticles;
   s.start = s.place + t->dim;
   s.copy  = s.start + t->dim;
-  s.node  = s.copy + t->dim * t->dim;
+  s.node  = s.copy + MpmTableStretches(t);
   s.mass  = s.node + t->nnodes;
   return s;
 }
@@ -61,6 +62,8 @@ typedef struct {
   const Vec      *load;
   Vec            *value, weight[MPM_PROPERTIES], inverse;
   PetscBool       inverted; /* a particle has no positive volume in the middle of a step */
+  MpmBranch       branch;
+  PetscInt64      on_surface;
 } Builder;
 
 /* ---- the space ---- */
@@ -89,6 +92,7 @@ PetscErrorCode MpmTangentSpaceCreate(MPI_Comm comm, const MpmLayout *layout, con
   PetscFunctionBegin;
   PetscCall(MpmSlabOf(comm, layout, scheme, &rest, &space->sizes));
   PetscCall(Share(&space->sizes, layout->particles));
+  space->branch = MPM_BRANCH_OWN;
   space->nstate = t->dim + t->nstate;
   r             = (MpmRegisters){.comm = comm,
                                  .rows = {space->sizes.particles, space->sizes.nodes},
@@ -328,9 +332,10 @@ static PetscErrorCode StressAlong(Builder *b, const MpmOp *op, PetscInt ab, cons
 
 static PetscErrorCode Stress(Builder *b, const MpmOp *op)
 {
-  const PetscInt   dim = b->table->dim, nF = dim * dim, ntau = dim * (dim + 1) / 2, n = b->sizes->particles;
-  PetscReal       *F[MPM_MAX_DIM * MPM_MAX_DIM], *tau[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2], *one, *zero;
-  const PetscReal *unit[MPM_MAX_DIM * MPM_MAX_DIM];
+  const PetscInt   dim = b->table->dim, nF = MpmTableStretches(b->table), ntau = dim * (dim + 1) / 2;
+  const PetscInt   n = b->sizes->particles;
+  PetscReal       *F[MPM_MOST_STRETCH], *tau[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2], *one, *zero;
+  const PetscReal *unit[MPM_MOST_STRETCH];
   Vec              weight;
 
   PetscFunctionBegin;
@@ -349,6 +354,45 @@ static PetscErrorCode Stress(Builder *b, const MpmOp *op)
     PetscCall(StressAlong(b, op, ab, (const PetscReal *const *)F, unit, weight));
   }
   PetscCall(RestoreArrays(b, op->src, nF, F));
+  PetscCall(PetscFree2(one, zero));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* F, with its internal variables, becomes R(F); the lines read a copy of dF. */
+static PetscErrorCode Return(Builder *b, const MpmOp *op)
+{
+  const PetscInt   dim = b->table->dim, nF = MpmTableStretches(b->table), n = b->sizes->particles;
+  PetscReal       *F[MPM_MOST_STRETCH], *dR[MPM_MOST_STRETCH], *one, *zero;
+  const PetscReal *unit[MPM_MOST_STRETCH];
+  Vec              slope[MPM_MOST_STRETCH];
+  PetscInt         on_surface = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc2(n, &one, n, &zero));
+  for (PetscInt p = 0; p < n; p++) one[p] = 1;
+  for (PetscInt c = 0; c < nF; c++) {
+    PetscCall(Clear(b, b->slot.copy + c));
+    PetscCall(Append(b, b->slot.copy + c, op->dst + c, NULL, PETSC_FALSE, NULL, NULL, 1));
+    PetscCall(MpmStepProgramAppend(b->program, (MpmLine){.dst = op->dst + c, .src = op->dst + c}));
+  }
+  PetscCall(GetArrays(b, op->dst, nF, F));
+  for (PetscInt q = 0; q < nF; q++) {
+    for (PetscInt c = 0; c < nF; c++) {
+      unit[c] = c == q ? one : zero;
+      PetscCall(VecDuplicate(b->value[op->dst], &slope[c]));
+      PetscCall(VecGetArray(slope[c], &dR[c]));
+    }
+    on_surface =
+        MpmMaterialReturnTangent(&b->table->material, dim, n, b->branch, (const PetscReal *const *)F, unit, dR);
+    for (PetscInt c = 0; c < nF; c++) {
+      PetscCall(VecRestoreArray(slope[c], &dR[c]));
+      PetscCall(Append(b, op->dst + c, b->slot.copy + q, NULL, PETSC_FALSE, slope[c], NULL, 1));
+      PetscCall(VecDestroy(&slope[c]));
+    }
+  }
+  b->on_surface += on_surface;
+  MpmMaterialReturn(&b->table->material, dim, n, F);
+  PetscCall(RestoreArrays(b, op->dst, nF, F));
   PetscCall(PetscFree2(one, zero));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -657,6 +701,9 @@ static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
   case MPM_STRETCH:
     PetscCall(Stretch(b, op));
     break;
+  case MPM_RETURN:
+    PetscCall(Return(b, op));
+    break;
   case MPM_LOAD:
     PetscCall(Load(b, op));
     break;
@@ -682,6 +729,7 @@ static PetscErrorCode Begin(Builder *b, MpmTangentSpace *space, PetscReal couran
                  .courant = courant,
                  .time    = state->time,
                  .load    = state->load,
+                 .branch  = space->branch,
                  .slot    = SlotsOf(space->sizes.scheme->table),
                  .maps    = {.sizes = &space->sizes, .places = &state->places}};
   PetscCall(MpmVectorsCreate(r, &b->values));
@@ -714,6 +762,8 @@ PetscErrorCode MpmTangentOf(MpmTangentSpace *space, PetscReal courant, const Mpm
   PetscCall(Begin(&b, space, courant, state));
   PetscCall(Masses(&b));
   for (PetscInt o = 0; o < b.table->nops; o++) PetscCall(ApplyOp(&b, &b.table->ops[o]));
+  space->on_surface = b.on_surface;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &space->on_surface, 1, MPIU_INT64, MPI_SUM, space->sizes.comm));
   for (PetscInt f = 0; f < space->nstate && after; f++)
     PetscCall(VecCopy(b.value[space->work->registers.out[f]], after[f]));
   PetscCall(MpmStepProgramMatrix(b.program, space->work, tangent));

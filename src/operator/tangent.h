@@ -13,11 +13,15 @@
    nstate - the number of fields of a state: the places in each direction, in cells, and then the registers of the
             table's state. Unknown f of particle id has the number nstate id + f.
    work   - the memory in which tangents are applied; they share it
+   branch, on_surface - with a material that flows: which derivative particles on the yield surface have, and how many of
+            them the last tangent has met there, on all ranks
 S*/
 typedef struct {
   MpmSlab     sizes;
   PetscInt    nstate;
   MpmVectors *work;
+  MpmBranch   branch;
+  PetscInt64  on_surface;
 } MpmTangentSpace;
 
 /*S

@@ -117,6 +117,15 @@ WHEN(HasViscosity, s->viscosity != 0)
 WHEN(HasBulkViscosity, s->bulk_viscosity != 0)
 WHEN(HasShearViscosity, s->shear_viscosity != 0)
 
+/* A number of materials that flow: shown where the material reads it. */
+#define PLASTIC(function, which) WHEN(function, s->law->plastic && s->law->plastic->number[which].reads)
+PLASTIC(HasYield, MPM_YIELD)
+PLASTIC(HasHardening, MPM_HARDENING)
+PLASTIC(HasSaturation, MPM_SATURATION)
+PLASTIC(HasSaturationRate, MPM_SATURATION_RATE)
+PLASTIC(HasCompressionLimit, MPM_COMPRESSION_LIMIT)
+PLASTIC(HasStretchLimit, MPM_STRETCH_LIMIT)
+
 /* ---- the table ---- */
 
 #define BETWEEN(a, b)      .lo = a, .hi = b
@@ -201,7 +210,7 @@ const MpmField MpmOptions[] = {
    ANY},
   {"shape", MPM_WORD, "box", "kinematics finite, dim 2 or 3: particles fill a box, two discs of radius L/5 at 1/5 and 4/5 of the domain, or a ring around its middle, of radii 3/4 and 5/4",
    WORDS(MpmShapeNames), .tasks = "run, spectrum", TEXT(ShapeOf), IN(87, 68, 62, 0), SHOWN(HasShape)},
-  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic",
+  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic; with kinematics finite also mises or snow, which flow",
    .word = MaterialWord, TEXT(MaterialOf), IN(27, 18, 15, 9), SHOWN(HasMaterialName), .json = "material.kind"},
   {"stretch", MPM_REAL, "1", "F0, how far the material is stretched along x, y and z in the state that the scheme is linear about, or starts from with kinematics finite; it gives prestress and the wave speed there",
    ABOVE(0), EACH(AS_REAL, stretch, stretch[0]), IN(76, 58, 49, 42), SHOWN(HasStretch), .json = "material.stretch"},
@@ -209,6 +218,18 @@ const MpmField MpmOptions[] = {
    FROM(0), KEPT(AS_REAL, lame_ratio), IN(77, 59, 50, 43), SHOWN(HasLameRatio), .json = "material.lame_ratio"},
   {"exponent", MPM_REAL, NULL, "material tait (7) and polytropic (1.4): the power of the density that pressure grows with",
    ABOVE(0), KEPT(AS_REAL, exponent), IN(78, 60, 51, 44), SHOWN(HasExponent), .json = "material.exponent"},
+  {"yield", MPM_REAL, NULL, "material mises: the yield stress of the start, over rho0 c0^2 (0.005)",
+   ABOVE(0), KEPT(AS_REAL, plastic[MPM_YIELD]), IN(97, 79, 72, 0), SHOWN(HasYield), .json = "material.yield"},
+  {"hardening", MPM_REAL, NULL, "material mises: growth of the yield stress per plastic strain, over rho0 c0^2 (0); snow: of the logarithm of the moduli per plastic loss of volume (10)",
+   FROM(0), KEPT(AS_REAL, plastic[MPM_HARDENING]), IN(98, 80, 73, 0), SHOWN(HasHardening), .json = "material.hardening"},
+  {"saturation", MPM_REAL, NULL, "material mises: what Voce's hardening adds to the yield stress in the end, over rho0 c0^2 (0)",
+   FROM(0), KEPT(AS_REAL, plastic[MPM_SATURATION]), IN(99, 81, 74, 0), SHOWN(HasSaturation), .json = "material.saturation"},
+  {"saturation_rate", MPM_REAL, NULL, "material mises: how fast Voce's hardening comes to it, per plastic strain (10)",
+   FROM(0), KEPT(AS_REAL, plastic[MPM_SATURATION_RATE]), IN(100, 82, 75, 0), SHOWN(HasSaturationRate), .json = "material.saturation_rate"},
+  {"compression_limit", MPM_REAL, NULL, "material snow: elastic compression along a principal axis beyond which it flows (0.025)",
+   ABOVE(0), KEPT(AS_REAL, plastic[MPM_COMPRESSION_LIMIT]), IN(101, 83, 76, 0), SHOWN(HasCompressionLimit), .json = "material.compression_limit"},
+  {"stretch_limit", MPM_REAL, NULL, "material snow: elastic extension along a principal axis beyond which it flows (0.0075)",
+   ABOVE(0), KEPT(AS_REAL, plastic[MPM_STRETCH_LIMIT]), IN(102, 84, 77, 0), SHOWN(HasStretchLimit), .json = "material.stretch_limit"},
   {"prestress", MPM_REAL, "0", "momentum schemes: sigma0 / (rho c^2), the stress of the state that the scheme is linear about; c is the speed of P waves along x there. With dim 2 along x,y or xx,xy,yy; with dim 3 along x,y,z or xx,xy,xz,yy,yz,zz",
    BETWEEN(-1e6, 1e6), MADE(AS_REAL, scheme.space.prestress), .each = STRIDE(scheme.space.prestress[0]), .numbers = StressNumbers, IN(79, 61, 52, 45), SHOWN(HasPrestress)},
   {"move", MPM_WORD, "grid", "with a prestress or kinematics finite: particles move with the new velocity of the grid, or with that of the second P2G (musl, usavg)",

@@ -6,6 +6,7 @@
 */
 #include "scene/settings.h"
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 const char *const MpmKinematicsNames[] = {"linear", "finite", NULL};
@@ -156,11 +157,11 @@ static PetscErrorCode SetRatio(const MpmSettings *settings, MpmScene *scene)
 */
 static PetscReal ModulusAlongX(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
 {
-  PetscReal        dF[MPM_MAX_DIM * MPM_MAX_DIM] = {0}, tau[6], dtau[6], *to[6], *dto[6];
-  const PetscReal *from[MPM_MAX_DIM * MPM_MAX_DIM], *dfrom[MPM_MAX_DIM * MPM_MAX_DIM];
+  PetscReal        dF[MPM_MOST_STRETCH] = {0}, tau[6], dtau[6], *to[6], *dto[6];
+  const PetscReal *from[MPM_MOST_STRETCH], *dfrom[MPM_MOST_STRETCH];
 
   for (PetscInt a = 0; a < dim; a++) dF[a] = F[a];
-  for (PetscInt c = 0; c < dim * dim; c++) {
+  for (PetscInt c = 0; c < MpmMaterialComponents(material->law, dim); c++) {
     from[c]  = &F[c];
     dfrom[c] = &dF[c];
   }
@@ -173,21 +174,61 @@ static PetscReal ModulusAlongX(const MpmMaterialNumbers *material, PetscInt dim,
   return dtau[0] - tau[0];
 }
 
+/* The materials that read a number, as a list of words. */
+static void ReadersOf(PetscInt number, size_t room, char text[])
+{
+  size_t used = (size_t)snprintf(text, room, "allowed: only with material ");
+  int    n    = 0;
+
+  for (const MpmLaw *const *law = MpmLaws; *law; law++)
+    if ((*law)->plastic && (*law)->plastic->number[number].reads)
+      used += (size_t)snprintf(text + used, room - used, "%s%s", n++ ? " or " : "", (*law)->name);
+}
+
+PetscErrorCode MpmSettingsReadPlastic(const MpmSettings *settings, MpmScene *scene)
+{
+  const MpmPlastic *law = scene->law->plastic;
+  char              text[256];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS; i++) {
+    const char *name = MpmPlasticNames[i];
+
+    ReadersOf(i, sizeof text, text);
+    if (!law || !law->number[i].reads) PetscCall(MpmSettingsRefuseUnless(settings, name, "material", text));
+    if (!law || !law->number[i].reads || MpmSettingsGiven(settings, name)) continue;
+    scene->plastic[i] = law->number[i].usual;
+  }
+  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS && law; i++)
+    MpmSettingsRefuseIf(law->number[i].reads &&
+                            !(scene->plastic[i] >= law->number[i].least && scene->plastic[i] <= law->number[i].most),
+                        settings, MpmPlasticNames[i], "allowed with material %s: from %g to %g", scene->law->name,
+                        (double)law->number[i].least, (double)law->number[i].most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The steps of a formulation have one stage, so that a particle flows from the state of the step before. */
+static PetscBool HasOneStage(const MpmFormulation *f)
+{
+  for (PetscInt field = 0; f->particle_fields[field]; field++)
+    if (f->scratch[field] && f->particle_ranks[field] == MPM_TENSOR) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *scene)
 {
   MpmSpace *space = &scene->scheme.space;
-  PetscInt  word, dim                             = scene->layout.dim;
-  PetscReal modulus, F[MPM_MAX_DIM * MPM_MAX_DIM] = {0};
+  PetscInt  word, dim                    = scene->layout.dim;
+  PetscReal modulus, F[MPM_MOST_STRETCH] = {0};
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "material", &word));
   MpmSettingsRefuseIf(word > 0 && word < MPM_MATERIAL_KINDS, settings, "material",
                       "with kinematics finite all particles are of one material; allowed: uniform (linear in "
-                      "the stretch), neo, svk, tait, gas or polytropic");
+                      "the stretch), neo, svk, tait, gas, polytropic, mises or snow");
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
   if (!scene->law->solid)
-    PetscCall(
-        MpmSettingsRefuseUnless(settings, "lame_ratio", "material", "allowed: only with material uniform, neo or svk"));
+    PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", "material", "it is a fluid; allowed: only with a solid"));
   if (!(scene->law->exponent > 0))
     PetscCall(
         MpmSettingsRefuseUnless(settings, "exponent", "material", "allowed: only with material tait or polytropic"));
@@ -197,6 +238,12 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
   if (scene->law->exponent > 0 && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law->exponent;
   if (scene->law->solid) PetscCall(SetRatio(settings, scene));
   space->material = MpmMaterialOfRatio(scene->law, scene->law->solid ? scene->lame_ratio : 0, scene->exponent);
+  PetscCall(MpmSettingsReadPlastic(settings, scene));
+  PetscCall(PetscArraycpy(space->material.plastic, scene->plastic, MPM_PLASTIC_NUMBERS));
+  if (scene->law->plastic)
+    PetscCall(MpmSettingsRequire(settings, scene, "material", HasOneStage, "steps of one stage, without IMPLICIT"));
+  for (PetscInt c = dim * dim; c < MpmMaterialComponents(scene->law, dim); c++)
+    (void)MpmMaterialInternal(scene->law, c - dim * dim, &F[c]);
   for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = space->stretch[a] = scene->stretch[a];
   modulus = ModulusAlongX(&space->material, dim, F);
   MpmSettingsRefuseIf(!(modulus > 0) || !isfinite(modulus), settings, "stretch",

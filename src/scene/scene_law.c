@@ -55,10 +55,10 @@ static PetscReal LeastSpeed(const MpmSpace *space, PetscInt dim, const PetscReal
 */
 static PetscErrorCode FromSolid(const MpmSettings *settings, MpmScene *scene)
 {
-  const PetscInt           dim                          = scene->layout.dim;
-  const PetscReal          nu                           = scene->scheme.space.poisson;
-  const MpmMaterialNumbers material                     = {scene->law, (1 - 2 * nu) / (2 * (1 - nu)), nu / (1 - nu), 0};
-  MpmSpace                *space                        = &scene->scheme.space;
+  const PetscInt           dim      = scene->layout.dim;
+  const PetscReal          nu       = scene->scheme.space.poisson;
+  const MpmMaterialNumbers material = {scene->law, (1 - 2 * nu) / (2 * (1 - nu)), nu / (1 - nu), 0, {0}};
+  MpmSpace                *space    = &scene->scheme.space;
   PetscReal                F[MPM_MAX_DIM * MPM_MAX_DIM] = {0}, tau[MPM_MAX_STRESS], sigma[MPM_MAX_DIM] = {0}, M;
   const PetscReal         *from[MPM_MAX_DIM * MPM_MAX_DIM];
   PetscReal               *to[MPM_MAX_STRESS];
@@ -140,6 +140,9 @@ PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "material", &word));
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
+  MpmSettingsRefuseIf(scene->law->plastic, settings, "material",
+                      "it flows, and a linear scheme is about a state that does not; allowed: with kinematics finite");
+  PetscCall(MpmSettingsReadPlastic(settings, scene));
   if (scene->law == &MpmLawLinear)
     PetscCall(MpmSettingsRefuseUnless(settings, "stretch", "material",
                                       "allowed: only with material neo, svk, tait, gas or polytropic"));

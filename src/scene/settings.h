@@ -259,10 +259,12 @@ PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene);
 
 /*
    Collective. Reads whether a scene has finite deformation, and the gravity there; the material and the stretch of one
-   that has, in the place of MpmSettingsReadLaw; and what else it asks for, in the place of MpmSettingsReadPrestress.
+   that has, in the place of MpmSettingsReadLaw; the numbers of a material that flows, and refuses those that it does not
+   read; and what else it asks for, in the place of MpmSettingsReadPrestress.
 */
 PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSettingsReadPlastic(const MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene);
 
 /* Collective. Reads whether a run chooses its steps, and how large a part of the largest stable one they are. */

@@ -62,7 +62,7 @@ static PetscErrorCode CheckSpace(const MpmSettings *settings, const MpmScene *sc
   MpmSettingsRefuseIf(!s->any && scene->law != s->law, settings, "initial",
                       s->law == &MpmLawNeo ? "its exact solution is of another material; allowed: material neo"
                                            : "its exact solution is of another material; allowed: material gas");
-  MpmSettingsRefuseIf(s->any && !scene->law->solid, settings, "initial",
+  MpmSettingsRefuseIf(s->any && (!scene->law->solid || scene->law->plastic), settings, "initial",
                       "it is of a solid; allowed: material uniform, neo or svk");
   for (PetscInt a = 0; a < l->dim; a++) {
     MpmSettingsRefuseIf(scene->stretch[a] != 1, settings, "initial",

@@ -69,9 +69,10 @@ PetscInt MpmBuilderComponents(const MpmTableBuilder *b, PetscBool on_nodes, Pets
 /*
    Not collective. MpmBuilderAddRegisters adds the registers of the state, the scratch that the space needs, and those of
    the nodes. MpmBuilderAddComponents adds those of a field of the state, whose names end in the directions where there
-   are several: v_x, s_xy. whole: a tensor is not symmetric.
+   are several: v_x, s_xy. whole: a tensor is not symmetric. MpmBuilderAddState adds one register of the state.
 */
 PetscErrorCode MpmBuilderAddRegisters(MpmTableBuilder *b);
+PetscErrorCode MpmBuilderAddState(MpmTable *table, const char name[], PetscInt field, PetscInt component);
 PetscErrorCode MpmBuilderAddComponents(MpmTable *table, const char name[], PetscInt field, MpmRank rank,
                                        PetscBool whole);
 

@@ -8,6 +8,8 @@
      GRAD to the stress   L = k sum_i v_i dphi_ip, of all GRADs that follow one another; then F <- (I + L) F, and in a step
                           of several stages F <- (I + L + L L / 2) F
      q = s + GRAD         the stress of a stage: the same of a copy of F
+     a material that flows: F is its elastic part, with its internal variables after it, and returns to the yield surface as
+                          soon as it is stretched
      MOVE                 the velocity that particles move with, a sum of shares of node fields
      DRIFT                x <- x + k sum_i phi_ip of that velocity
 
@@ -35,6 +37,12 @@ PetscErrorCode MpmFiniteAddState(MpmTableBuilder *b, PetscInt field)
   PetscCheck(t->stretch == MPM_NONE, PETSC_COMM_SELF, PETSC_ERR_SUP, "the table: two stresses at finite deformation");
   t->stretch = t->nstate;
   PetscCall(MpmBuilderAddComponents(t, "f", MPM_STRETCHED, MPM_TENSOR, PETSC_TRUE));
+  for (PetscInt c = t->dim * t->dim; c < MpmMaterialComponents(b->space->material.law, t->dim); c++) {
+    PetscReal start;
+
+    PetscCall(MpmBuilderAddState(t, MpmMaterialInternal(b->space->material.law, c - t->dim * t->dim, &start),
+                                 MPM_STRETCHED, c));
+  }
   b->particle[field] = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -168,6 +176,9 @@ static PetscErrorCode Stretch(MpmTableBuilder *b)
   if (b->stretching != MPM_NONE)
     PetscCall(MpmTableAppendOwn(
         b->table, (MpmOp){.kind = MPM_STRETCH, .dst = b->stretching, .src = b->slope, .factor = b->staged ? 0.5 : 0}));
+  if (b->stretching != MPM_NONE && b->space->material.law->plastic)
+    PetscCall(MpmTableAppendOwn(b->table,
+                                (MpmOp){.kind = MPM_RETURN, .dst = b->stretching, .src = b->stretching, .factor = 1}));
   b->stretching = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

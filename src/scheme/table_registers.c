@@ -90,7 +90,7 @@ PetscErrorCode MpmTableScratch(MpmTable *t, PetscInt *particle)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode AddState(MpmTable *t, const char name[], PetscInt field, PetscInt component)
+PetscErrorCode MpmBuilderAddState(MpmTable *t, const char name[], PetscInt field, PetscInt component)
 {
   const PetscInt r = t->nstate;
 
@@ -137,7 +137,7 @@ PetscErrorCode MpmBuilderAddComponents(MpmTable *t, const char name[], PetscInt 
       PetscCall(PetscSNPrintf(full, sizeof full, "%s_%c", name, axes[a]));
     else
       PetscCall(PetscSNPrintf(full, sizeof full, "%s_%c%c", name, axes[a], axes[e]));
-    PetscCall(AddState(t, full, field, rank == MPM_TENSOR && !whole ? MpmStressComponent(dim, a, e) : c));
+    PetscCall(MpmBuilderAddState(t, full, field, rank == MPM_TENSOR && !whole ? MpmStressComponent(dim, a, e) : c));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,14 +1,11 @@
 /* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
 #include "probe/certificates.h"
-#include "analysis/spectrum.h"
-#include "base/text.h"
+#include "analysis/frozen.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "linalg/eigen.h"
-#include "operator/tangent_march.h"
 #include "report/results.h"
-#include "scene/layout.h"
 #include "task/task.h"
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -62,45 +59,6 @@ static PetscErrorCode Write(const char path[], const MpmOperator *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   Marches to the request's step at_step, and finds the eigenvalues of the tangent of the step after it, as if the state
-   stayed as it is. A verdict is undecided where the tangent's step is not the march's (mismatch, see MpmTangentMismatch).
-*/
-static PetscErrorCode Frozen(const MpmScene *scene, const MpmRequest *request, PetscReal started,
-                             MpmSpectrum **spectrum, PetscReal *mismatch)
-{
-  MpmMarch       *march;
-  MpmTangentSpace space;
-  MpmTangentState state;
-  MpmFinding     *finding;
-  Mat             tangent, matrix;
-
-  PetscFunctionBegin;
-  PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, &scene->layout, MpmMarchBytes(scene, PETSC_FALSE), "the march"));
-  PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
-  while (march->step < request->at_step && !march->failure[0]) PetscCall(MpmMarchStep(march, PETSC_FALSE));
-  MpmCheckInput(!march->failure[0], "-at_step %" PetscInt64_FMT ": the run ends before it, %s", request->at_step,
-                march->failure);
-  PetscCall(MpmTangentSpaceCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &space));
-  PetscCall(MpmTangentStateCreate(&space, &state));
-  PetscCall(MpmTangentStateOf(&space, march, &state));
-  PetscCall(MpmTangentCheck(&space, &state));
-  PetscCall(MpmTangentStateDestroy(&space, &state));
-  PetscCall(MpmTangentMismatch(&space, march, &tangent, mismatch));
-  PetscCall(MpmMarchDestroy(&march));
-  PetscCall(MpmTangentAssemble(tangent, &matrix));
-  PetscCall(MatDestroy(&tangent));
-  PetscCall(MpmTangentSpaceDestroy(&space));
-  PetscCall(MpmSpectrumOfMatrix("the tangent", matrix, 1, NULL, request, started, spectrum));
-  PetscCall(MatDestroy(&matrix));
-  finding = &(*spectrum)->finding;
-  if (!(*mismatch <= MPM_MISMATCH)) {
-    finding->verdict = MPM_UNDECIDED;
-    MpmTextJoin(finding->evidence, ", but the tangent's step is not the march's", sizeof finding->evidence);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The spectrum of the tangent of one step of a nonlinear run. */
 static PetscErrorCode OfTangent(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
@@ -109,7 +67,7 @@ static PetscErrorCode OfTangent(const MpmScene *scene, const MpmRequest *request
   json_t      *result;
 
   PetscFunctionBegin;
-  PetscCall(Frozen(scene, request, started, &s, &mismatch));
+  PetscCall(MpmFrozenSpectrum(scene, request, started, &s, &mismatch));
   PetscCall(MpmSpectrumWriteFiles(s));
   PetscCall(MpmResultOfScene(scene, request, &result));
   MpmSpectrumReport(result, scene, request, s, NULL);

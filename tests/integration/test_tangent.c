@@ -59,7 +59,11 @@ static PetscErrorCode FillState(const MpmScene *scene, const MpmTangentSpace *sp
     const PetscInt  c        = f - t->stretch;
     const PetscBool diagonal = c >= 0 && c < t->dim * t->dim && c % (t->dim + 1) == 0 ? PETSC_TRUE : PETSC_FALSE;
 
-    PetscCall(Fill(100 + f, 0.1, diagonal ? 1.1 : 0, state->field[f]));
+    PetscReal middle = diagonal ? 1.1 : 0;
+
+    if (c >= t->dim * t->dim && c < MpmTableStretches(t))
+      (void)MpmMaterialInternal(t->material.law, c - t->dim * t->dim, &middle);
+    PetscCall(Fill(100 + f, 0.1, middle, state->field[f]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -430,6 +434,29 @@ static PetscErrorCode CheckColliders(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Materials that flow: where all particles do, and where none does. */
+static PetscErrorCode CheckPlastic(void)
+{
+  static const char *const kinds[] = {
+      "-material mises -hardening 0.02 -formulation usl -basis quadratic -cells 7",
+      "-material mises -saturation 0.1 -formulation musl -basis cubic -transfer pic -dim 2 -cells 5,4",
+      "-material mises -yield 10 -formulation usl -basis cubic -dim 2 -cells 5,4",
+      "-material snow -hardening 3 -formulation usf -basis quadratic -transfer apic -gradient mls -dim 2 -cells 5,4",
+      "-material snow -hardening 3 -formulation usavg -basis quadratic -dim 3 -cells 3,4,3 -ppc 1"};
+  char options[512];
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(kinds); i++) {
+    PetscCall(
+        PetscSNPrintf(options, sizeof options, "-kinematics finite -lame_ratio 0.7 -jitter 0.2 -seed 3 %s", kinds[i]));
+    PetscCall(CheckTangent(options));
+  }
+  PetscCall(
+      CheckMarch("-kinematics finite -material mises -lame_ratio 1 -yield 0.01 -formulation usl -basis cubic -dim 2 "
+                 "-cells 12 -shape discs -initial collision -amplitude 0.1 -courant 0.2"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscBool turn;
@@ -440,6 +467,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckTangents());
   PetscCall(CheckImplicit());
   PetscCall(CheckColliders());
+  PetscCall(CheckPlastic());
   PetscCall(
       CheckTangent("-kinematics finite -material neo -lame_ratio 0.7 -formulation rk -rk kg5 -basis quadratic -dim 2 "
                    "-cells 5,4 -jitter 0.2 -boundary fixed,periodic"));

@@ -94,6 +94,7 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
       [MPM_STRESS_AHEAD] = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_LOAD]         = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_STRETCH]      = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
+      [MPM_RETURN]       = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_SCALE]        = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_ADD]          = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_LAP]          = {.dst = MPM_ON_NODES, .src = MPM_ON_NODES, .halo = 1, .stencil = {1, -2, 1}},

@@ -1,9 +1,10 @@
 /* The list of the laws, and what they have in common. */
 #include "scheme/material/laws.h"
+#include "scheme/material/plastic.h"
 #include <math.h>
 
-const MpmLaw *const MpmLaws[] = {&MpmLawLinear, &MpmLawNeo,        &MpmLawSvk, &MpmLawTait,
-                                 &MpmLawGas,    &MpmLawPolytropic, NULL};
+const MpmLaw *const MpmLaws[] = {&MpmLawLinear,     &MpmLawNeo,   &MpmLawSvk,  &MpmLawTait, &MpmLawGas,
+                                 &MpmLawPolytropic, &MpmLawMises, &MpmLawSnow, NULL};
 
 void MpmMaterialStress(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
                        PetscReal *const tau[])
@@ -44,6 +45,7 @@ PetscReal MpmMaterialModulus(const MpmMaterialNumbers *material, PetscInt dim, c
 {
   PetscReal B[6];
 
+  if (material->law->plastic) return MpmPlasticModulus(material, dim, F);
   LeftProduct(dim, F, B);
   return material->law->modulus(material, dim, LargestEigenvalue(dim, B), Trace(dim, B), Volume(dim, F));
 }
