@@ -25,6 +25,7 @@ typedef enum {
   MPM_SATURATION_RATE,
   MPM_COMPRESSION_LIMIT,
   MPM_STRETCH_LIMIT,
+  MPM_FRICTION_ANGLE,
   MPM_PLASTIC_NUMBERS
 } MpmPlasticNumber;
 extern const char *const MpmPlasticNames[];
@@ -113,9 +114,10 @@ struct MpmLaw_ {
 
      MpmLawMises - metal: Hencky's solid, von Mises' yield stress with linear and Voce hardening
      MpmLawSnow  - snow: principal stretches within bounds, and moduli that grow as it is compressed for good
+     MpmLawSand  - sand: Hencky's solid, no tension, and shear up to a part of the pressure
 */
 extern const MpmLaw MpmLawLinear, MpmLawNeo, MpmLawSvk, MpmLawTait, MpmLawGas, MpmLawPolytropic, MpmLawMises,
-    MpmLawSnow;
+    MpmLawSnow, MpmLawSand;
 extern const MpmLaw *const MpmLaws[];
 
 /* Not collective. Lame's moduli of a solid from their ratio lambda / mu, in the units of this header. */

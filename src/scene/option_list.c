@@ -125,6 +125,7 @@ PLASTIC(HasSaturation, MPM_SATURATION)
 PLASTIC(HasSaturationRate, MPM_SATURATION_RATE)
 PLASTIC(HasCompressionLimit, MPM_COMPRESSION_LIMIT)
 PLASTIC(HasStretchLimit, MPM_STRETCH_LIMIT)
+PLASTIC(HasFrictionAngle, MPM_FRICTION_ANGLE)
 
 /* ---- the table ---- */
 
@@ -210,7 +211,7 @@ const MpmField MpmOptions[] = {
    ANY},
   {"shape", MPM_WORD, "box", "kinematics finite, dim 2 or 3: particles fill a box, two discs of radius L/5 at 1/5 and 4/5 of the domain, or a ring around its middle, of radii 3/4 and 5/4",
    WORDS(MpmShapeNames), .tasks = "run, spectrum", TEXT(ShapeOf), IN(87, 68, 62, 0), SHOWN(HasShape)},
-  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic; with kinematics finite also mises or snow, which flow",
+  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic; with kinematics finite also mises, snow or sand, which flow",
    .word = MaterialWord, TEXT(MaterialOf), IN(27, 18, 15, 9), SHOWN(HasMaterialName), .json = "material.kind"},
   {"stretch", MPM_REAL, "1", "F0, how far the material is stretched along x, y and z in the state that the scheme is linear about, or starts from with kinematics finite; it gives prestress and the wave speed there",
    ABOVE(0), EACH(AS_REAL, stretch, stretch[0]), IN(76, 58, 49, 42), SHOWN(HasStretch), .json = "material.stretch"},
@@ -230,6 +231,8 @@ const MpmField MpmOptions[] = {
    ABOVE(0), KEPT(AS_REAL, plastic[MPM_COMPRESSION_LIMIT]), IN(101, 83, 76, 0), SHOWN(HasCompressionLimit), .json = "material.compression_limit"},
   {"stretch_limit", MPM_REAL, NULL, "material snow: elastic extension along a principal axis beyond which it flows (0.0075)",
    ABOVE(0), KEPT(AS_REAL, plastic[MPM_STRETCH_LIMIT]), IN(102, 84, 77, 0), SHOWN(HasStretchLimit), .json = "material.stretch_limit"},
+  {"friction_angle", MPM_REAL, NULL, "material sand: the angle of internal friction, in degrees (35)",
+   BETWEEN(0, 90), KEPT(AS_REAL, plastic[MPM_FRICTION_ANGLE]), IN(103, 85, 78, 0), SHOWN(HasFrictionAngle), .json = "material.friction_angle"},
   {"prestress", MPM_REAL, "0", "momentum schemes: sigma0 / (rho c^2), the stress of the state that the scheme is linear about; c is the speed of P waves along x there. With dim 2 along x,y or xx,xy,yy; with dim 3 along x,y,z or xx,xy,xz,yy,yz,zz",
    BETWEEN(-1e6, 1e6), MADE(AS_REAL, scheme.space.prestress), .each = STRIDE(scheme.space.prestress[0]), .numbers = StressNumbers, IN(79, 61, 52, 45), SHOWN(HasPrestress)},
   {"move", MPM_WORD, "grid", "with a prestress or kinematics finite: particles move with the new velocity of the grid, or with that of the second P2G (musl, usavg)",

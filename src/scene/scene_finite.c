@@ -225,7 +225,7 @@ PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *s
   PetscCall(MpmSettingsWord(settings, "material", &word));
   MpmSettingsRefuseIf(word > 0 && word < MPM_MATERIAL_KINDS, settings, "material",
                       "with kinematics finite all particles are of one material; allowed: uniform (linear in "
-                      "the stretch), neo, svk, tait, gas, polytropic, mises or snow");
+                      "the stretch), neo, svk, tait, gas, polytropic, mises, snow or sand");
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
   if (!scene->law->solid)
     PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", "material", "it is a fluid; allowed: only with a solid"));

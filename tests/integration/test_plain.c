@@ -9,10 +9,13 @@
 #define MOST_STEPS 30
 #define MOST_PARTICLES 100000 /* the plain march is slow */
 
-/* The rounding of a step makes all fields of all. A lone particle divides by masses near 0, where rounding grows. */
+/*
+   The rounding of a step makes all fields of all. A lone particle divides by masses near 0, where rounding grows. Sand that
+   slides has a deviator of k times its pressure, with k about 1: its return multiplies rounding of the pressure.
+*/
 static PetscReal Allowed(const char what[])
 {
-  return strstr(what, "lone-particle") ? 1e-10 : 1e-12;
+  return strstr(what, "lone-particle") || strstr(what, "sand-column") ? 1e-10 : 1e-12;
 }
 
 /* The largest difference and the largest number of the fields so far. */

@@ -442,6 +442,7 @@ static PetscErrorCode CheckPlastic(void)
       "-material mises -saturation 0.1 -formulation musl -basis cubic -transfer pic -dim 2 -cells 5,4",
       "-material mises -yield 10 -formulation usl -basis cubic -dim 2 -cells 5,4",
       "-material snow -hardening 3 -formulation usf -basis quadratic -transfer apic -gradient mls -dim 2 -cells 5,4",
+      "-material sand -formulation musl -basis cubic -dim 2 -cells 5,4",
       "-material snow -hardening 3 -formulation usavg -basis quadratic -dim 3 -cells 3,4,3 -ppc 1"};
   char options[512];
 

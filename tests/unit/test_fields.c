@@ -44,6 +44,7 @@ static const char *const other[][2] = {
     {"saturation_rate", "-kinematics finite -material mises -saturation_rate 5"},
     {"compression_limit", "-kinematics finite -material snow -compression_limit 0.01"},
     {"stretch_limit", "-kinematics finite -material snow -stretch_limit 0.01"},
+    {"friction_angle", "-kinematics finite -material sand -friction_angle 30"},
     {"prestress", "-prestress 0.25"},
     {"move", "-formulation musl -basis cubic -prestress 0.25 -move projected"},
     {"kinematics", "-kinematics finite"},

@@ -4,7 +4,7 @@
 #include <math.h>
 
 const MpmLaw *const MpmLaws[] = {&MpmLawLinear,     &MpmLawNeo,   &MpmLawSvk,  &MpmLawTait, &MpmLawGas,
-                                 &MpmLawPolytropic, &MpmLawMises, &MpmLawSnow, NULL};
+                                 &MpmLawPolytropic, &MpmLawMises, &MpmLawSnow, &MpmLawSand, NULL};
 
 void MpmMaterialStress(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
                        PetscReal *const tau[])
