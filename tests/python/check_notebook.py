@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Runs the example notebook of the Python package: it prints what its page says, and shows its pictures.
+"""Runs a notebook of examples/notebook: it prints what its page says and the numbers that are bold in its text, and shows its pictures.
 
-check_notebook.py MPMSTAB. The status is 77 where nbclient and ipykernel are not installed. Else silent when all is well.
+check_notebook.py MPMSTAB NAME. The status is 77 where nbclient and ipykernel are not installed. Else silent when all is well.
 """
 import os
 import re
@@ -11,27 +11,43 @@ from checks import ROOT, SCRIPTS, check, text_of
 
 SKIPPED = 77
 FOLDER = os.path.join(ROOT, "examples", "notebook")
+PICTURES = {"critical": 2, "lecture": 3, "lecture-answers": 0}
+SECONDS = 240  # of a cell, on a busy machine
 
 
-def main(path):
+def executed(name):
+    """The notebook with its outputs. Its folder is where it runs, as in Jupyter."""
+    import nbclient
+    import nbformat
+    notebook = nbformat.read(os.path.join(FOLDER, f"{name}.ipynb"), 4)
+    check(not any(cell.get("outputs") for cell in notebook.cells), "the notebook has outputs, which are to be cleared")
+    nbclient.NotebookClient(notebook, timeout=SECONDS, kernel_name="python3",
+                            resources={"metadata": {"path": FOLDER}}).execute()
+    return notebook
+
+
+def main(path, name):
     try:
         import ipykernel  # noqa: F401 (only to see whether it is there)
-        import nbclient
-        import nbformat
+        import nbclient  # noqa: F401
     except ImportError as error:
         print(f"check_notebook: {error}; scripts/test.sh installs it")
         sys.exit(SKIPPED)
-    notebook = nbformat.read(os.path.join(FOLDER, "critical.ipynb"), 4)
-    check(not any(cell.get("outputs") for cell in notebook.cells), "the notebook has outputs, which are to be cleared")
     os.environ.update(MPMSTAB=path, PYTHONPATH=os.path.join(SCRIPTS, "python"), PYDEVD_DISABLE_FILE_VALIDATION="1")
-    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+    notebook = executed(name)
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
-    printed = "".join(output["text"] for output in outputs if output["output_type"] == "stream")
-    page = text_of(os.path.join(FOLDER, "README.md")).split("The notebook prints\n\n")[1].split("\n\n")[0]
-    check(printed == re.sub("^    ", "", page, flags=re.MULTILINE) + "\n", f"the notebook prints\n{printed}not\n{page}")
+    printed = "".join(output["text"] for output in outputs if output.get("name") == "stdout")
+    page = text_of(os.path.join(FOLDER, "README.md")).split(f"`{name}.ipynb` prints\n\n")[1].split("\n\n")[0]
+    check(printed == re.sub("^    ", "", page, flags=re.MULTILINE).rstrip("\n") + "\n",
+          f"the notebook prints\n{printed}not\n{page}")
+    for cell in notebook.cells:
+        if cell["cell_type"] == "markdown":
+            for number in re.findall(r"\*\*(\d[\d.]*%?)\*\*", cell["source"]):
+                check(number in printed, f"the text says {number}, and no cell prints it")
     shown = [kind for output in outputs for kind in output.get("data", {})]
-    check(shown.count("image/png") == 2 and "text/html" in shown, f"the notebook shows {shown}")
+    check(shown.count("image/png") == PICTURES[name] and ("text/html" in shown) == (name == "critical"),
+          f"the notebook shows {shown}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])
