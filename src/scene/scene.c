@@ -30,15 +30,12 @@ static PetscErrorCode ReadWritten(MpmSettings *settings, MpmScene *scene)
 /* A transfer of the scheme's text counts, unless a stronger source names another one. */
 static PetscErrorCode ReadOwnTransfer(const MpmSettings *settings, MpmScene *scene)
 {
-  char message[128];
-
   PetscFunctionBegin;
   if (!scene->own || !scene->own->transfer || MpmSettingsOverruled(settings, "scheme", "transfer"))
     PetscFunctionReturn(PETSC_SUCCESS);
-  (void)snprintf(message, sizeof message, "the scheme has the transfer %.60s of its own; allowed: one of the two",
-                 scene->own->transfer->name);
   MpmSettingsRefuseIf(MpmSettingsSource(settings, "transfer") == MpmSettingsSource(settings, "scheme"), settings,
-                      "transfer", message);
+                      "transfer", "the scheme has the transfer %.60s of its own; allowed: one of the two",
+                      scene->own->transfer->name);
   scene->scheme.transfer = scene->own->transfer;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
