@@ -42,6 +42,25 @@ def check_package(prefix, environment):
         fail(f"mpmstab.pc says version {said['modversion']}, the program {version}")
 
 
+def check_find_package(prefix, environment):
+    """A CMake project finds the installed library, and does not where it asks for a later version."""
+    project = prefix / "project"
+    project.mkdir()
+    for version, status in (("0.999", 1), ("0.2", 0)):
+        (project / "CMakeLists.txt").write_text(f"""cmake_minimum_required(VERSION 3.22)
+project(limit LANGUAGES C)
+find_package(mpmstab {version} REQUIRED)
+add_executable(limit {prefix}/share/mpmstab/examples/library/main.c)
+target_link_libraries(limit PRIVATE mpmstab::mpmstab)
+""", encoding="utf-8")
+        run(["cmake", "-S", ".", "-B", f"build-{version}", f"-DCMAKE_PREFIX_PATH={prefix}"], project, environment, status)
+    environment = {name: value for name, value in environment.items() if name != "PKG_CONFIG_PATH"}
+    run(["cmake", "--build", "build-0.2"], project, environment)
+    printed = run(["build-0.2/limit"], project, environment).stdout
+    if printed != "critical Courant number 0.755929\n":
+        fail(f"the program that CMake built prints {printed!r}")
+
+
 def main():
     readme, build, prefix = (pathlib.Path(word).resolve() for word in sys.argv[1:])
     shutil.rmtree(prefix, ignore_errors=True)
@@ -62,6 +81,7 @@ def main():
     if printed_of_scheme != 2 * of_scheme.splitlines():
         fail(f"{readme} says that each run of the second program prints {of_scheme!r}; they printed {printed_of_scheme}")
     check_package(prefix, environment)
+    check_find_package(prefix, environment)
     run(["bin/mpmstab", "critical", "-formulation", "usl", "-json", "limit.json"], prefix, environment)
     limit = json.loads((prefix / "limit.json").read_text(encoding="utf-8"))["critical"]["critical_courant"]
     if f"critical Courant number {limit:.6g}" != printed[0] or abs(limit / (4 / 7) ** 0.5 - 1) > 2e-6:
