@@ -86,7 +86,7 @@ def listed():
     names = done.stdout.split("\n") if done.returncode == 0 else [
         os.path.relpath(os.path.join(folder, name), ROOT) for folder, _, found in os.walk(ROOT) for name in found
         if not os.path.relpath(folder, ROOT).startswith("build")]
-    return [name for name in names if name and not name.startswith(".")]
+    return [name for name in names if name and not name.startswith((".", "docs/paper/"))]  # a paper has headings of its own kind
 
 
 def copy(name, pages):
