@@ -33,7 +33,7 @@ def main(path, name):
     except ImportError as error:
         print(f"check_notebook: {error}; scripts/test.sh installs it")
         sys.exit(SKIPPED)
-    os.environ.update(MPMSTAB=path, PYTHONPATH=os.path.join(SCRIPTS, "python"), PYDEVD_DISABLE_FILE_VALIDATION="1")
+    os.environ.update(MPMSTAB=os.path.abspath(path), PYTHONPATH=os.path.join(SCRIPTS, "python"), PYDEVD_DISABLE_FILE_VALIDATION="1")
     notebook = executed(name)
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     printed = "".join(output["text"] for output in outputs if output.get("name") == "stdout")
