@@ -145,7 +145,7 @@ static PetscErrorCode WriteCoordinates(MpmOutput *output, const char place[], co
 
 /*
    What layout FILE reads beside the places, in the scene's units: volumes of now, which go with det F, and masses, where they
-   are not the domain's shares, and moduli.
+   are not the domain's shares, and moduli. F of a material that flows is its elastic part, so that its volumes are not known.
 */
 static PetscErrorCode WriteProperties(MpmOutput *output, const char place[], const MpmMarch *march)
 {
@@ -159,6 +159,7 @@ static PetscErrorCode WriteProperties(MpmOutput *output, const char place[], con
   PetscReal        *q, *F[MPM_MAX_DIM * MPM_MAX_DIM], at[MPM_MAX_DIM * MPM_MAX_DIM], unit[MPM_PROPERTIES];
 
   PetscFunctionBegin;
+  if (finite && t->material.law->plastic) PetscFunctionReturn(PETSC_SUCCESS);
   MpmMaterialUnits(output->scene, unit);
   PetscCall(PetscMalloc1(n, &q));
   for (PetscInt c = 0; c < components; c++)
