@@ -154,7 +154,7 @@ void MpmReportRun(json_t *result, const MpmProgram *p, const MpmProgramRun *r)
            s->width);
   MpmResultKeep(in, "%" PetscInt64_FMT "{calls}", s->calls);
   MpmResultSay(in,
-               "  measured    %.7g{growth}    from %.7g{low} to %.7g{high} (95%%), over %" PetscInt_FMT
+               "  measured    %.7g{growth}    from %.7g{low} to %.7g{high} (95%% or more), over %" PetscInt_FMT
                "{steps} steps of %" PetscInt_FMT "{perturbations} random perturbations\n",
                r->growth, r->low, r->high, r->steps, r->perturbations);
   MpmResultSay(

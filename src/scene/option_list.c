@@ -243,7 +243,7 @@ const MpmField MpmOptions[] = {
    ANY, .tasks = "run, spectrum", EACH(AS_REAL, gravity, gravity[0]), IN(82, 64, 57, 48), SHOWN(HasGravity)},
   {"grid_damping", MPM_REAL, "0", "momentum schemes: alpha, the grid's velocity loses alpha dt of itself in a step; in units of c / h, in a scene in physical units per time",
    FROM(0), KEPT(AS_REAL, grid_damping), IN(104, 86, 79, 55), SHOWN(HasDamping)},
-  {"local_damping", MPM_REAL, "0", "momentum schemes: the part of the force on each node that is taken off against its velocity (Cundall); codes for soils take 0.7 or 0.8",
+  {"local_damping", MPM_REAL, "0", "momentum schemes: the part of the force on each node that is taken off against its velocity (Cundall), from 0 to 1",
    BETWEEN(0, 1), KEPT(AS_REAL, scheme.space.local), IN(108, 91, 84, 0), SHOWN(HasLocal)},
   {"viscosity", MPM_REAL, "0", "momentum schemes: viscosity of a Kelvin-Voigt solid, in proportion to its stiffness; eta of P waves, in units of rho c h, in a scene in physical units pressure x time",
    FROM(0), KEPT(AS_REAL, viscosity), IN(105, 87, 80, 56), SHOWN(HasViscosity)},
