@@ -206,7 +206,7 @@ def frame(scene, step, group, fields, limits):
 
 def registers_of(group):
     """Returns the particle fields at an output step by name, displacement or velocity first."""
-    names = sorted((name for name in group["particles"] if name != "coordinates"),
+    names = sorted((name for name in group["particles"] if name not in ("coordinates", "volume", "mass", "young")),
                    key=lambda name: ("uvrwsc".find(name[0]), name))
     return {name: files.array(group, f"particles/{name}", OUTPUT) for name in names}
 

@@ -234,9 +234,9 @@ static PetscErrorCode Search(const MpmCriticalCase *of, const Strategy *s, Petsc
 
 PetscErrorCode MpmCriticalQuieten(const MpmCriticalCase *of, MpmCritical *c)
 {
-  const PetscBool drifts = MpmStepDrifts(&of->step);
-  MpmScheme       other  = *of->scheme;
-  MpmCriticalCase cured  = *of;
+  const PetscBool drifts = MpmStepDrifts(&of->step), damped = MpmSpaceIsDamped(&of->scheme->space);
+  MpmScheme       other = *of->scheme;
+  MpmCriticalCase cured = *of;
 
   PetscFunctionBegin;
   PetscCall(MpmCriticalQuiet(of, &c->quiet));
@@ -245,7 +245,7 @@ PetscErrorCode MpmCriticalQuieten(const MpmCriticalCase *of, MpmCritical *c)
   if (of->step.courant <= c->quiet && !(c->asked.growth > 1 + of->tolerance))
     PetscCall(MpmFindingDecide(&c->asked, "a theorem says that nothing grows here"));
   cured.scheme = &other;
-  for (PetscInt f = 0; drifts && MpmFormulations[f] && !c->quiet && !c->cure; f++) {
+  for (PetscInt f = 0; drifts && !damped && MpmFormulations[f] && !c->quiet && !c->cure; f++) {
     other.formulation = MpmFormulations[f];
     if (!other.formulation->quiet || other.formulation->wave != of->scheme->formulation->wave) continue;
     if (other.transfer->affine && other.formulation->affine == MPM_NONE) continue;
