@@ -115,9 +115,10 @@ struct MpmLaw_ {
      MpmLawMises - metal: Hencky's solid, von Mises' yield stress with linear and Voce hardening
      MpmLawSnow  - snow: principal stretches within bounds, and moduli that grow as it is compressed for good
      MpmLawSand  - sand: Hencky's solid, no tension, and shear up to a part of the pressure
+     MpmLawClay  - clay: Hencky's solid, modified Cam clay, whose yield surface grows as it loses volume
 */
 extern const MpmLaw MpmLawLinear, MpmLawNeo, MpmLawSvk, MpmLawTait, MpmLawGas, MpmLawPolytropic, MpmLawMises,
-    MpmLawSnow, MpmLawSand;
+    MpmLawSnow, MpmLawSand, MpmLawClay;
 extern const MpmLaw *const MpmLaws[];
 
 /* Not collective. Lame's moduli of a solid from their ratio lambda / mu, in the units of this header. */

@@ -208,11 +208,12 @@ static PetscErrorCode ListScope(void)
   MpmPrint("  %-14s linear steps about a stretched state, or with colliders that stick or slip; tangents of a run's "
            "states\n",
            "");
-  MpmPrint("  %-14s runs at finite strain, also of metal, snow and sand that flow: their energy and error; growth in a "
+  MpmPrint("  %-14s runs at finite strain, also of metal, snow, sand and clay that flow: their energy and error; "
+           "growth in a "
            "run is measured and not proved\n",
            "by marching");
   MpmPrint("  %-14s damping of the grid and viscosity, in steps, limits and runs; local damping in runs\n", "");
-  MpmPrint("  %-14s clay; bodies that push by a penalty\n", "not yet");
+  MpmPrint("  %-14s bodies that push by a penalty\n", "not yet");
   MpmPrint("  %-14s contact of several velocity fields, fracture, heat, graphics processors\n", "not at all");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -20,8 +20,8 @@ NOISE = "-kinematics finite -formulation usl -basis quadratic -cells 32 -initial
 # dense metal that hardens, and snow that has packed together before the first step ends
 LIVES = {"mises": "-material mises -yield 0.05 -hardening 0.3", "snow": "-material snow"}
 FLOWS = {"mises": "-material mises -yield 0.002 -saturation 0.01", "snow": "-material snow -hardening 5",
-         "sand": "-material sand"}
-INTERNAL = {"mises": "plastic_strain", "snow": "plastic_volume", "sand": "volume_gain"}
+         "sand": "-material sand", "clay": "-material clay -yield 0.002"}
+INTERNAL = {"mises": "plastic_strain", "snow": "plastic_volume", "sand": "volume_gain", "clay": "plastic_loss"}
 
 
 def run(ranks, *words):

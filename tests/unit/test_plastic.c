@@ -281,6 +281,47 @@ static void CheckSand(PetscInt dim)
   CHECK_NEAR(s.f[dim * dim], 0, 0);
 }
 
+/* The pressure and Q = sqrt(3/2) norm(dev tau) of a state with dim 3 whose axes are those of the grid. */
+static void Invariants(const MpmMaterialNumbers *m, const State *s, PetscReal *p, PetscReal *Q)
+{
+  const PetscReal *at[MPM_MOST_STRETCH];
+  PetscReal        tau[6], *to[6];
+
+  Pointers(s, at);
+  for (PetscInt c = 0; c < 6; c++) to[c] = &tau[c];
+  MpmMaterialStress(m, 3, 1, at, to);
+  *p = -(tau[0] + tau[3] + tau[5]) / 3;
+  *Q = sqrt(1.5 * (PetscSqr(tau[0] + *p) + PetscSqr(tau[3] + *p) + PetscSqr(tau[5] + *p)));
+}
+
+/*
+   Clay that is compressed for the first time stays on its line, p = yield exp(hardening q), whatever the steps. Then it is
+   sheared at constant volume, and comes to the critical state Q = M p, p = c / 2.
+*/
+static void CheckClay(void)
+{
+  const MpmMaterialNumbers m = MpmMaterialOfRatio(&MpmLawClay, 1.5, 0);
+  const PetscReal          K = m.lambda + 2 * m.mu / 3, sine = sin(m.plastic[MPM_FRICTION_ANGLE] * M_PI / 180);
+  State                    s = AtRest(m.law, 3);
+  PetscReal                p, Q;
+
+  for (PetscInt i = 0; i < 5; i++) {
+    for (PetscInt a = 0; a < 3; a++) s.f[4 * a] *= exp(-0.1 / 3 / 5);
+    s = Returned(&m, 3, s);
+  }
+  Invariants(&m, &s, &p, &Q);
+  CHECK_NEAR(p, m.plastic[MPM_YIELD] * exp(m.plastic[MPM_HARDENING] * s.f[9]), 1e-14);
+  CHECK_NEAR(p / K + s.f[9], 0.1, 1e-14);
+  CHECK_NEAR(Q, 0, 1e-14);
+  for (PetscInt i = 0; i < 300; i++) {
+    for (PetscInt a = 0; a < 3; a++) s.f[4 * a] *= exp(a ? -0.005 : 0.01);
+    s = Returned(&m, 3, s);
+  }
+  Invariants(&m, &s, &p, &Q);
+  CHECK_NEAR(p, m.plastic[MPM_YIELD] * exp(m.plastic[MPM_HARDENING] * s.f[9]) / 2, 1e-10);
+  CHECK_NEAR(Q / p, 6 * sine / (3 - sine), 1e-10);
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
@@ -303,6 +344,7 @@ static PetscErrorCode Test(int argc, char **argv)
     CheckSnow(dim);
     CheckSand(dim);
   }
+  CheckClay();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

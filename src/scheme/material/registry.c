@@ -3,8 +3,8 @@
 #include "scheme/material/plastic.h"
 #include <math.h>
 
-const MpmLaw *const MpmLaws[] = {&MpmLawLinear,     &MpmLawNeo,   &MpmLawSvk,  &MpmLawTait, &MpmLawGas,
-                                 &MpmLawPolytropic, &MpmLawMises, &MpmLawSnow, &MpmLawSand, NULL};
+const MpmLaw *const MpmLaws[] = {&MpmLawLinear, &MpmLawNeo,  &MpmLawSvk,  &MpmLawTait, &MpmLawGas, &MpmLawPolytropic,
+                                 &MpmLawMises,  &MpmLawSnow, &MpmLawSand, &MpmLawClay, NULL};
 
 void MpmMaterialStress(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
                        PetscReal *const tau[])
