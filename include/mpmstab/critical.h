@@ -73,19 +73,22 @@ typedef struct {
                  of the assembled one
    pencil      - courant is where the nodes' own operator, linear in a power of the Courant number, first has the eigenvalue
                  -1; growth at stable_at and unstable_at says the same
+   leftmost    - there are too many unknowns for all eigenvalues: growth is that of the leftmost one, which decides here, and
+                 is found by a Krylov space
    bounded, bounds - of an assembled operator whose case asks for bounds: they were looked for, and what they are
    each        - of an assembled operator whose case asks for it: rows of a number for each particle, by id: the bounds lone
                  and particle as Courant numbers, and the velocities along each direction in the mode that grows first, the
                  largest of them 1; NaN: not known. NULL: not asked for. Freed with PetscFree.
    mode_at     - the particle that is fastest in this mode; id MPM_NONE: not known
-   too_large   - the layout has more unknowns than eigenvalues are sought of: there are bounds, and courant is NaN
+   too_large   - the layout has more unknowns than eigenvalues are sought of, and the leftmost does not decide or was not found:
+                 there are bounds, and courant is NaN
    evaluations - the number of times that growth was computed
    seconds     - the time that the search took
 S*/
 typedef struct {
   PetscReal      courant, stable_at, unstable_at, doubtful, beta[MPM_MAX_DIM], null_share, fading, moving;
   PetscReal      moving_diagonal, closed, closed_beta[MPM_MAX_DIM], bound, quiet, cured, rounding, seconds;
-  PetscBool      threshold, assembled, disputed, followed, pencil, bounded, too_large;
+  PetscBool      threshold, assembled, disputed, followed, pencil, leftmost, bounded, too_large;
   PetscInt       order, nodal, phases;
   MpmWaveType    wave;
   PetscInt64     evaluations;

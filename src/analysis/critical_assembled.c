@@ -21,15 +21,20 @@
 #define DRIFT_WIDTH 0.02 /* largest step under drift where eigenvalues could not be followed */
 #define PRECISION 1e-7
 #define NEAR_LIMIT 1e-4 /* relative distance below the limit within which doubt does not matter */
-#define APART 16        /* times so far beyond the limit growth is looked at next */
-#define BEYOND 0.01     /* relative distance above the limit at which growth is compared with that of rounding */
+#define ALL_MANY                                                                                                       \
+  1000 /* unknowns beyond which the leftmost eigenvalue alone is sought where it decides: it takes a tenth of the time */
+#define SPARSE_MANY 5e7  /* numbers of a sparse matrix: some 4 GiB for the few that are held at once */
+#define MODE_ORDER 40000 /* largest order of which a mode is found by products */
+#define APART 16         /* times so far beyond the limit growth is looked at next */
+#define BEYOND 0.01      /* relative distance above the limit at which growth is compared with that of rounding */
 
 typedef struct {
   const MpmCriticalCase *of;
   MpmProgress            progress;
-  PetscBool              nodal;    /* the nodes' own operator has the eigenvalues */
-  PetscReal              rounding; /* growth per step that rounding may make of a defective pair */
-  PetscInt64             evaluations;
+  PetscBool              nodal; /* the nodes' own operator has the eigenvalues */
+  PetscBool  leftmost;          /* too many for all of them: the leftmost, which decides, is found by a Krylov space */
+  PetscReal  rounding;          /* growth per step that rounding may make of a defective pair */
+  PetscInt64 evaluations;
 } Probe;
 
 /* Counts an evaluation and gives the step of a Courant number. */
@@ -41,7 +46,8 @@ static PetscErrorCode Begin(Probe *p, PetscReal courant, MpmStep *step)
   p->evaluations++;
   *step         = p->of->step;
   step->courant = courant;
-  PetscCall(PetscSNPrintf(note, sizeof note, "all eigenvalues at Courant number %.6g", courant));
+  PetscCall(PetscSNPrintf(note, sizeof note, "%s at Courant number %.6g",
+                          p->leftmost ? "leftmost eigenvalue" : "all eigenvalues", courant));
   PetscCall(MpmProgressNote(&p->progress, note));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -56,6 +62,27 @@ static PetscErrorCode Assemble(Probe *p, PetscReal courant, MpmOperator **op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* By the leftmost eigenvalue; NaN: it was not found. */
+static PetscErrorCode LeftmostGrowth(Probe *p, PetscReal courant, PetscReal *growth)
+{
+  PetscReal   least = INFINITY, norm;
+  MpmReduced *nodal;
+  MpmEigen   *eigen;
+  MpmStep     step;
+
+  PetscFunctionBegin;
+  PetscCall(Begin(p, courant, &step));
+  PetscCall(MpmNodalMatrixCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, NULL, &nodal));
+  PetscCall(MpmEigenSolve(nodal->M, NULL, MPM_EIGEN_LEFTMOST, NULL, &eigen));
+  for (PetscInt i = 0; i < eigen->n; i++) least = PetscMin(least, eigen->re[i]);
+  *growth = eigen->leftmost ? PetscMax(1, -least) : NAN;
+  PetscCall(MatNorm(nodal->M, NORM_INFINITY, &norm));
+  p->rounding = MpmDefectiveErrorOf(MpmOperatorErrorOf(norm, 0, 0), 0, 1);
+  PetscCall(MpmEigenDestroy(&eigen));
+  PetscCall(MpmReducedDestroy(&nodal));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* By the nodes' own operator, where that may be, and else by the particles'. */
 static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth)
 {
@@ -67,6 +94,10 @@ static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth
   MpmStep      step;
 
   PetscFunctionBegin;
+  if (p->leftmost) {
+    PetscCall(LeftmostGrowth(p, courant, growth));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (p->nodal) {
     PetscCall(Begin(p, courant, &step));
     PetscCall(MpmNodalMatrixCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, NULL, &nodal));
@@ -129,9 +160,13 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
 
   PetscFunctionBegin;
   PetscCall(Assemble(p, c->unstable_at, &op));
-  if (p->nodal) PetscCall(MpmNodalMatrixOf(op, &nodal));
+  if (p->leftmost)
+    PetscCall(MpmNodalMatrixCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &op->step, op->unit, &nodal));
+  else if (p->nodal)
+    PetscCall(MpmNodalMatrixOf(op, &nodal));
   if (nodal)
-    PetscCall(MpmEigenSolveReduced(op->balanced, nodal, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
+    PetscCall(MpmEigenSolveReduced(op->balanced, nodal, NULL, p->leftmost ? MPM_EIGEN_LEFTMOST : MPM_EIGEN_DENSE, NULL,
+                                   &eigen));
   else
     PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
   PetscCall(MpmModesCreateLeading(op, eigen, PetscMin(eigen->n, 1), &modes));
@@ -172,22 +207,59 @@ static PetscErrorCode Follow(Probe *p, PetscReal to, PetscBool grows, MpmCritica
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The nodal operator of order n at a Courant number on the unknowns k^weight z, where it is linear in k^stride. */
-static PetscErrorCode Weighted(const Probe *p, const MpmNodalPlan *plan, PetscInt n, PetscReal courant,
-                               PetscReal matrix[])
+/* The nodal operator at a Courant number on the unknowns k^weight z, where it is linear in k^stride. */
+static PetscErrorCode Weighted(const Probe *p, const MpmNodalPlan *plan, PetscReal courant, Mat *weighted)
 {
   MpmStep     step = p->of->step;
   MpmReduced *nodal;
+  PetscReal  *power;
+  PetscInt    first, end;
+  Vec         left, right;
 
   PetscFunctionBegin;
   step.courant = courant;
   PetscCall(MpmNodalMatrixCreate(PETSC_COMM_WORLD, p->of->layout, p->of->scheme, &step, NULL, &nodal));
-  PetscCall(MpmDenseCopy(nodal->M, matrix));
+  PetscCall(VecDuplicate(nodal->kept_small, &left));
+  PetscCall(VecDuplicate(left, &right));
+  PetscCall(VecGetOwnershipRange(left, &first, &end));
+  PetscCall(VecGetArrayWrite(left, &power));
+  for (PetscInt i = first; i < end; i++) power[i - first] = pow(courant, plan->weight[i % plan->nimages]);
+  PetscCall(VecRestoreArrayWrite(left, &power));
+  PetscCall(VecCopy(left, right));
+  PetscCall(VecReciprocal(right));
+  *weighted = nodal->M;
+  PetscCall(PetscObjectReference((PetscObject)nodal->M));
+  PetscCall(MatDiagonalScale(*weighted, left, right));
+  PetscCall(VecDestroy(&left));
+  PetscCall(VecDestroy(&right));
   PetscCall(MpmReducedDestroy(&nodal));
-  for (PetscInt j = 0; j < n; j++)
-    for (PetscInt i = 0; i < n; i++)
-      matrix[(size_t)j * n + i] *= pow(courant, plan->weight[i % plan->nimages] - plan->weight[j % plan->nimages]);
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode LeastDense(Mat C0, Mat C1, PetscReal *x)
+{
+  PetscReal *at[2];
+  PetscInt   n;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetSize(C0, &n, NULL));
+  PetscCall(PetscMalloc2((size_t)n * n, &at[0], (size_t)n * n, &at[1]));
+  PetscCall(MpmDenseCopy(C0, at[0]));
+  PetscCall(MpmDenseCopy(C1, at[1]));
+  PetscCall(MpmPencilLeast(n, at[0], at[1], x));
+  PetscCall(PetscFree2(at[0], at[1]));
+  PetscCallMPI(MPI_Bcast(x, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* How many numbers the nodal operator has at most: each node has all nodes that share a particle with it. */
+static PetscReal Numbers(const Probe *p, const MpmNodalPlan *plan)
+{
+  const MpmLayout *l    = p->of->layout;
+  PetscReal        near = 1;
+
+  for (PetscInt a = 0; a < l->dim; a++) near *= 2 * p->of->scheme->basis->nodes - 1;
+  return (PetscReal)plan->nimages * plan->nimages * (PetscReal)MpmLayoutNodes(l) * near;
 }
 
 /*
@@ -198,26 +270,23 @@ static PetscErrorCode LinearLimit(const Probe *p, PetscReal *limit)
 {
   MpmNodalPlan *plan;
   const char   *why;
-  PetscReal    *at[2];
-  PetscInt64    n = 0;
+  Mat           C0, C1;
+  PetscBool     dense;
 
   PetscFunctionBegin;
   *limit = NAN;
   PetscCall(MpmNodalPlanCreate(p->of->scheme->table, &why, &plan));
-  if (plan) n = plan->nimages * MpmLayoutNodes(p->of->layout);
-  if (plan && plan->degree == 1 && n <= MPM_DENSE_MANY) {
-    const PetscReal power = exp2(plan->stride);
-
-    PetscCall(PetscMalloc2((size_t)(n * n), &at[0], (size_t)(n * n), &at[1]));
-    for (int i = 0; i < 2; i++) PetscCall(Weighted(p, plan, (PetscInt)n, i + 1, at[i]));
-    for (PetscInt64 i = 0; i < n * n; i++) {
-      at[1][i] = (at[1][i] - at[0][i]) / (power - 1);
-      at[0][i] -= at[1][i];
-    }
-    PetscCall(MpmPencilLeast((PetscInt)n, at[0], at[1], limit));
+  dense = plan && plan->nimages * MpmLayoutNodes(p->of->layout) <= MPM_DENSE_MANY ? PETSC_TRUE : PETSC_FALSE;
+  if (plan && plan->degree == 1 && (dense || Numbers(p, plan) <= SPARSE_MANY)) {
+    PetscCall(Weighted(p, plan, 1, &C0));
+    PetscCall(Weighted(p, plan, 2, &C1));
+    PetscCall(MatAXPY(C1, -1, C0, DIFFERENT_NONZERO_PATTERN));
+    PetscCall(MatScale(C1, 1 / (exp2(plan->stride) - 1)));
+    PetscCall(MatAXPY(C0, -1, C1, DIFFERENT_NONZERO_PATTERN));
+    PetscCall(dense ? LeastDense(C0, C1, limit) : MpmPencilLeastKrylov(C0, C1, limit));
     *limit = pow(*limit, 1.0 / plan->stride);
-    PetscCall(PetscFree2(at[0], at[1]));
-    PetscCallMPI(MPI_Bcast(limit, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+    PetscCall(MatDestroy(&C0));
+    PetscCall(MatDestroy(&C1));
   }
   PetscCall(MpmNodalPlanDestroy(&plan));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -321,6 +390,35 @@ static PetscErrorCode FindBounds(const MpmCriticalCase *of, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   The limit of a layout with too many unknowns for all eigenvalues, where the leftmost decides. Nothing changes where a
+   solver does not converge.
+*/
+static PetscErrorCode SearchLarge(Probe *p, PetscReal courant, MpmCritical *c)
+{
+  PetscReal growth = 1;
+
+  PetscFunctionBegin;
+  if (!MpmLeftmostDecides(p->of->layout, p->of->scheme, &p->of->step)) PetscFunctionReturn(PETSC_SUCCESS);
+  p->leftmost = PETSC_TRUE;
+  PetscCall(ByPencil(p, c));
+  if (c->pencil && courant > c->courant) PetscCall(Growth(p, courant, &growth));
+  if (!c->pencil || isnan(growth)) {
+    p->leftmost = c->pencil = PETSC_FALSE;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  c->leftmost              = PETSC_TRUE;
+  c->too_large             = PETSC_FALSE;
+  c->asked.growth          = growth;
+  c->asked.uncertainty     = p->rounding;
+  c->asked.defective_error = p->rounding;
+  c->asked.verdict         = MpmVerdictOf(&c->asked);
+  PetscCall(PetscStrncpy(c->asked.evidence,
+                         "the leftmost eigenvalue; at rest this scheme grows by real ones below -1 alone",
+                         sizeof c->asked.evidence));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* What a bound says of the case's own Courant number where no eigenvalue is known. */
 static PetscErrorCode JudgeByBound(const MpmCriticalCase *of, MpmCritical *c)
 {
@@ -352,18 +450,20 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCritical
                 size, MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);
   c->order = (PetscInt)PetscMin(order, PETSC_MAX_INT);
   PetscCall(FindBounds(of, c));
-  if (c->too_large) {
+  PetscCall(MpmProgressBegin("", &probe.progress));
+  if (unknowns > ALL_MANY && !of->all_particles) PetscCall(SearchLarge(&probe, of->step.courant, c));
+  if (c->too_large && !c->leftmost) {
+    PetscCall(MpmProgressEnd(&probe.progress));
     PetscCall(JudgeByBound(of, c));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmProgressBegin("", &probe.progress));
-  if (nodal) PetscCall(TryNodal(&probe, of->step.courant));
-  c->nodal = probe.nodal ? (PetscInt)nodal : 0;
-  PetscCall(Search(&probe, of->step.courant, c));
+  if (nodal && !c->leftmost) PetscCall(TryNodal(&probe, of->step.courant));
+  c->nodal = probe.nodal || c->leftmost ? (PetscInt)nodal : 0;
+  if (!c->leftmost) PetscCall(Search(&probe, of->step.courant, c));
   if (!c->pencil) c->courant = INFINITY;
   if (isfinite(c->unstable_at)) {
     if (!c->windows.looked && !c->pencil) PetscCall(MpmSearchThreshold(Growth, &probe, of->tolerance, 0, c));
-    PetscCall(LimitingMode(&probe, c));
+    if (!c->leftmost || order <= MODE_ORDER) PetscCall(LimitingMode(&probe, c));
     if (!c->pencil) c->courant = c->threshold || MpmStepDrifts(&of->step) ? c->stable_at : 0;
     PetscCall(CheckRounding(&probe, c));
   }

@@ -4,7 +4,11 @@
 #include "linalg/pencil.h"
 #include <math.h>
 #include <petscblaslapack.h>
+#include <slepceps.h>
 
+#define BASIS 64       /* vectors of the Krylov space */
+#define ACCURACY 1e-11 /* of its eigenvalue */
+#define RESTARTS 1000
 #define REAL 1e-9 /* an eigenvalue with a smaller share of imaginary part is real but for rounding */
 
 /* The rows of a matrix that are not 0. Returns how many there are. */
@@ -57,5 +61,40 @@ PetscErrorCode MpmPencilLeast(PetscInt n, PetscReal C0[], const PetscReal C1[], 
   PetscCall(PetscFree4(part, small, re, im));
   PetscCall(PetscFree(units));
   PetscCall(PetscFree2(row, pivot));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPencilLeastKrylov(Mat C0, Mat C1, PetscReal *x)
+{
+  EPS       eps;
+  ST        st;
+  KSP       ksp;
+  PC        pc;
+  PetscInt  order, found;
+  PetscReal re, im;
+
+  PetscFunctionBegin;
+  *x = NAN;
+  PetscCall(MatShift(C0, 1));
+  PetscCall(MatGetSize(C0, &order, NULL));
+  PetscCall(EPSCreate(PetscObjectComm((PetscObject)C0), &eps));
+  PetscCall(EPSSetOperators(eps, C1, C0));
+  PetscCall(EPSSetProblemType(eps, EPS_GNHEP));
+  PetscCall(EPSSetWhichEigenpairs(eps, EPS_SMALLEST_REAL));
+  PetscCall(EPSSetDimensions(eps, 1, PetscMin(BASIS, order), PETSC_DETERMINE));
+  PetscCall(EPSSetTolerances(eps, ACCURACY, RESTARTS));
+  PetscCall(EPSGetST(eps, &st));
+  PetscCall(STGetKSP(st, &ksp));
+  PetscCall(KSPSetType(ksp, KSPGMRES));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCNONE));
+  PetscCall(KSPSetTolerances(ksp, ACCURACY / 100, PETSC_DEFAULT, PETSC_DEFAULT, RESTARTS));
+  PetscCall(EPSSolve(eps));
+  PetscCall(EPSGetConverged(eps, &found));
+  if (found) {
+    PetscCall(EPSGetEigenvalue(eps, 0, &re, &im));
+    *x = re >= 0 ? INFINITY : fabs(im) <= REAL * fabs(re) ? -1 / re : NAN;
+  }
+  PetscCall(EPSDestroy(&eps));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,7 @@
 /* A matrix that is linear in a number: where it first has the eigenvalue -1. */
 #pragma once
 #include <mpmstab/compat.h>
+#include <petscmat.h>
 
 /*
    MpmPencilLeast - the least x > 0 at which C_0 + x C_1 has the eigenvalue -1; infinite: there is none. NaN: C_0 itself has it,
@@ -12,3 +13,11 @@
    mass have none.
 */
 PetscErrorCode MpmPencilLeast(PetscInt n, PetscReal C0[], const PetscReal C1[], PetscReal *x);
+
+/*
+   MpmPencilLeastKrylov - the same of sparse matrices, by a Krylov space. NaN: the solver found no eigenvalue.
+
+   Collective. C_0 is overwritten by C_0 + 1, whose systems GMRES solves: C_0 is what a transfer keeps of nodal velocities, with
+   eigenvalues from 0 to 1.
+*/
+PetscErrorCode MpmPencilLeastKrylov(Mat C0, Mat C1, PetscReal *x);

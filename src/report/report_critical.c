@@ -260,7 +260,12 @@ static void PrintAsked(const MpmScene *s, PetscReal tolerance, const MpmCritical
 static void PrintSearch(const MpmScene *s, const MpmCritical *c)
 {
   if (c->too_large) return;
-  if (c->assembled)
+  if (c->leftmost)
+    MpmPrint(
+        "searched: where an eigenvalue of the nodes first reaches -1, and the leftmost eigenvalue at %" PetscInt64_FMT
+        " Courant numbers, each by a Krylov space\n",
+        c->evaluations);
+  else if (c->assembled)
     MpmPrint("searched: all eigenvalues of %" PetscInt_FMT " unknowns%s at %" PetscInt64_FMT " Courant numbers%s\n",
              c->nodal ? c->nodal : c->order, c->nodal ? ", the nodes' own," : "", c->evaluations,
              c->pencil ? ", and where they first reach -1, from one factorisation" : "");
@@ -325,7 +330,8 @@ static void Bounds(json_t *result, const MpmScene *s, const MpmCritical *c)
                  b->chance);
   Bound(bounds, s, "lanczos", b->lanczos, text, NULL);
   MpmResultKeep(bounds, "%g{chance}", b->chance);
-  if (!c->too_large && isfinite(c->courant)) Bound(NULL, s, "limit", c->courant, "all eigenvalues", NULL);
+  if (!c->too_large && isfinite(c->courant))
+    Bound(NULL, s, "limit", c->courant, c->leftmost ? "leftmost eigenvalue" : "all eigenvalues", NULL);
 }
 
 /* What JSON alone has of the bulk. Another neighbourhood may have the least limit. */

@@ -7,16 +7,15 @@ import csv
 import itertools
 import math
 import os
-import subprocess
 import sys
 import tempfile
 
 import h5py
 import numpy as np
 
-from checks import check
+from checks import check, on_ranks
 
-MPIEXEC, MPMSTAB = sys.argv[1:]
+MPMSTAB = sys.argv[-1]
 LAYER = ("-dim 2 -kinematics finite -basis quadratic -cells 12,12 -boundary periodic,free -fill 0,12,3,6 -ppc 2 "
          "-material neo -poisson 0.2 -wave_speed 10 -initial uniform -courant 0.3").split()
 BODIES = ("[{shape: plane, point: [0.5, 0.2], normal: [0.1, 1], contact: separating, friction: 0.3}, "
@@ -27,8 +26,7 @@ BLOCK = ("-dim 2 -kinematics finite -basis quadratic -cells 16 -boundary free -f
 
 
 def run(*words, ranks=1):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launch, MPMSTAB, "run", *words], capture_output=True, text=True, check=False)
+    done = on_ranks(ranks, MPMSTAB, "run", *words)
     check(done.returncode == 0, f"{' '.join(words)}: status {done.returncode}: {done.stderr}")
 
 

@@ -9,10 +9,9 @@ the next one, and the factor that follows from decay and frequency of the symbol
 """
 import csv
 import math
-import subprocess
 import sys
 
-from checks import check, loaded, text_of
+from checks import check, loaded, on_ranks, text_of
 
 import h5py
 import numpy
@@ -30,8 +29,7 @@ SCENES = [  # the scheme, and the denominator of its drift
 
 
 def run(words, ranks=1):
-    launcher = [sys.argv[1], "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launcher, sys.argv[2], *words.split()], capture_output=True, text=True, check=False)
+    done = on_ranks(ranks, sys.argv[2], *words.split())
     check(done.returncode == 0, f"{words}: status {done.returncode}: {done.stderr}")
     return done.stdout.splitlines()
 

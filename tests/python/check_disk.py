@@ -10,21 +10,17 @@ import subprocess
 import sys
 import tempfile
 
-MPIEXEC, MPMSTAB = sys.argv[1:]
+from checks import check, on_ranks
+
+MPMSTAB = sys.argv[-1]
 SKIPPED = 77
 TASKS = {"run": "run -cells 64 -steps 100 -output small/o.h5 -output_every 10", "map": "map -output small/o.h5",
          "symbol": "symbol -cells 4000 -output small/o.h5", "csv": "symbol -cells 8000 -csv small/o.csv",
          "checkpoint": "run -cells 4000 -steps 5 -checkpoint small/c.h5"}
 
 
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_disk: {message}")
-
-
 def run(words, ranks=1):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    return subprocess.run([*launch, MPMSTAB, *words], capture_output=True, text=True, check=False, timeout=60)
+    return on_ranks(ranks, MPMSTAB, *words, timeout=60)
 
 
 def check_refused(done, what):

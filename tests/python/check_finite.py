@@ -13,12 +13,12 @@ import tempfile
 import h5py
 import numpy as np
 
-from checks import check
+from checks import check, on_ranks
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../scripts/python"))
 from mpmstab import dt  # noqa: E402
 
-MPIEXEC, MPMSTAB = sys.argv[1:]
+MPMSTAB = sys.argv[-1]
 WAVES = ("-kinematics finite -formulation musl -material neo -stretch 1.3 -basis quadratic -courant 0.5 -cells 12 "
          "-initial random -amplitude 0.01 -mach 0.7 -steps 60").split()
 # beyond the largest stable time step
@@ -27,8 +27,7 @@ BREAKS = ("-kinematics finite -formulation usl -material neo -basis quadratic -c
 
 
 def run(ranks, *words):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    return subprocess.run([*launch, MPMSTAB, "run", *words], capture_output=True, text=True, check=False)
+    return on_ranks(ranks, MPMSTAB, "run", *words)
 
 
 def done(ranks, *words):

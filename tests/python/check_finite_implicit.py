@@ -6,22 +6,20 @@ check_finite_implicit.py MPIEXEC MPMSTAB. Silent when all is well.
 import json
 import math
 import os
-import subprocess
 import sys
 import tempfile
 
 import h5py
 import numpy as np
 
-from checks import check
+from checks import check, on_ranks
 
-MPIEXEC, MPMSTAB = sys.argv[1:]
+MPMSTAB = sys.argv[-1]
 IMPLICIT = "-kinematics finite -material neo -formulation implicit".split()
 
 
 def run(*words, ranks=1):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    return subprocess.run([*launch, MPMSTAB, *words, "-json", "out.json"], capture_output=True, text=True, check=False)
+    return on_ranks(ranks, MPMSTAB, *words, "-json", "out.json")
 
 
 def ask(*words, ranks=1):

@@ -7,23 +7,21 @@ import csv
 import json
 import math
 import os
-import subprocess
 import sys
 import tempfile
 
 import h5py
 import numpy as np
 
-from checks import check
+from checks import check, on_ranks
 
-MPIEXEC, MPMSTAB = sys.argv[1:]
+MPMSTAB = sys.argv[-1]
 SHAKEN = ("-kinematics finite -material neo -dim 2 -cells 8 -cell_width 1 -basis quadratic -mach 0.1,0 -initial mode "
           "-mode 1,0 -amplitude 0.3 -courant 0.6 -steps 500").split()
 
 
 def ask(task, *words, ranks=1):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launch, MPMSTAB, task, *words, "-json", "out.json"], capture_output=True, text=True, check=False)
+    done = on_ranks(ranks, MPMSTAB, task, *words, "-json", "out.json")
     check(done.returncode == 0, f"{task} {' '.join(words)}: status {done.returncode}: {done.stderr}")
     with open("out.json", encoding="utf-8") as file:
         return json.load(file)

@@ -6,13 +6,12 @@ check_input_files.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent whe
 """
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 
-from checks import check, check_one_line
+from checks import check, check_one_line, on_ranks
 
-MPIEXEC, MPMSTAB = sys.argv[1:]
+MPMSTAB = sys.argv[-1]
 SCENE = "formulation: usl\ncourant: 0.5\ncells: 8\nsteps: 10\n"
 GIVEN = "-formulation usl -courant 0.5 -cells 8".split()
 STEPS = [*GIVEN, "-steps", "10"]
@@ -20,8 +19,7 @@ MATRIX = "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 0.5\n"
 
 
 def start(words, ranks=1, **how):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    return subprocess.run([*launch, MPMSTAB, *words], capture_output=True, text=True, check=False, timeout=60, **how)
+    return on_ranks(ranks, MPMSTAB, *words, timeout=60, **how)
 
 
 def write(path, text):

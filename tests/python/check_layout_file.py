@@ -8,19 +8,16 @@ check_layout_file.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent whe
 import csv
 import itertools
 import math
-import subprocess
 import sys
 
 import h5py
 import numpy
 
-from checks import check, loaded
+from checks import check, loaded, on_ranks
 
 
 def run(words, ranks=1, status=0):
-    launch = [sys.argv[1], "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launch, sys.argv[2], *words.split(), "-json", "out.json"],
-                          capture_output=True, text=True, check=False)
+    done = on_ranks(ranks, sys.argv[2], *words.split(), "-json", "out.json")
     check(done.returncode == status, f"{words}: status {done.returncode}: {done.stderr}")
     return done.stdout, (loaded("out.json") if status == 0 else done.stderr)
 
@@ -103,6 +100,24 @@ def check_random():
     run(f"run {words} -steps 9 -restart kept.h5")
     _, error = run(f"run {words.replace('-layout random', '')} -steps 9 -restart kept.h5", 1, 2)
     check("its layout is random, the scene has none" in error, error)
+
+
+def check_many():
+    """Of many particles the leftmost eigenvalue alone is found, by products: all eigenvalues of spectrum say the same."""
+    rng = numpy.random.default_rng(3)
+    write("many.csv", "x,y", 6 + 6 * rng.random((210, 2)))
+    for scheme, courant in (("usl -basis quadratic", 1.3), ("musl -basis cubic", 2.7)):
+        scene = f"-dim 2 -cells 24 -length 24 -layout many.csv -measure false -formulation {scheme} -courant"
+        answers = [run(f"critical {scene} {courant}".replace("-measure false ", ""), ranks) for ranks in (1, 3)]
+        check("by a Krylov space" in answers[0][0], f"{scheme}: {answers[0][0]}")
+        one, three = ({**found["critical"], "growth": found["growth"]} for _, found in answers)
+        for key in ("critical_courant", "growth"):
+            same(one[key], three[key], f"{scheme}: {key} on three ranks", 1e-9)
+        check(one["mode_fastest"]["id"] == three["mode_fastest"]["id"], f"{scheme}: the fastest particle")
+        for at, growth in ((courant, one["growth"]), (one["critical_courant"] * (1 - 1e-6), 1)):
+            same(run(f"spectrum {scene} {at!r}")[1]["spectrum"]["spectral_radius"], growth, f"{scheme} at {at}")
+        beyond = run(f"spectrum {scene} {one['critical_courant'] * (1 + 1e-5)!r}")[1]["spectrum"]
+        check(beyond["spectral_radius"] > 1 + 1e-5, f"{scheme}: {beyond['spectral_radius']} beyond the limit")
 
 
 def check_field_output():
@@ -214,6 +229,7 @@ check_lattices()
 check_materials()
 check_ranks()
 check_random()
+check_many()
 check_field_output()
 check_held()
 check_written()

@@ -13,9 +13,9 @@ import numpy
 import scipy.io
 import scipy.sparse
 
-from checks import ROOT, check, check_one_line, loaded, text_of
+from checks import ROOT, check, check_one_line, loaded, on_ranks, text_of
 
-MPIEXEC, MPMSTAB = sys.argv[1:]
+MPMSTAB = sys.argv[-1]
 DRIFT = "-formulation usl -cells 6 -courant 0.5 -drift 1/4 -jitter 0.2".split()
 SPACE = "-dim 2 -cells 6,4 -formulation musl -courant 0.7 -jitter 0.3".split()
 MOVES = "-formulation gas2 -cells 8 -courant 0.5 -drift 1/4".split()
@@ -25,17 +25,14 @@ AT_REST = "-dim 3 -cells 4 -ppc 1 -formulation musl -courant 0.4".split()
 
 def run(*words, ranks=1):
     """Runs mpmstab and returns its JSON."""
-    launch = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launch, MPMSTAB, *map(str, words), "-json", "out.json"], capture_output=True, text=True,
-                          check=False)
+    done = on_ranks(ranks, MPMSTAB, *map(str, words), "-json", "out.json")
     check(done.returncode == 0 and done.stderr == "", f"{words}, {ranks} ranks: {done.stderr}")
     check(not [f for f in os.listdir(".") if f.endswith(".part")], f"{words}: an unfinished file is left")
     return loaded("out.json")
 
 
 def refuse(says, *words, ranks=1):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launch, MPMSTAB, *words], capture_output=True, text=True, check=False, timeout=60)
+    done = on_ranks(ranks, MPMSTAB, *words, timeout=60)
     check_one_line(done, words, says)
 
 

@@ -4,18 +4,15 @@
 check_option_places.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
 import os
-import subprocess
 import sys
 
-from checks import check, check_one_line
+from checks import check, check_one_line, on_ranks
 
-MPIEXEC, MPMSTAB = sys.argv[1:]
+MPMSTAB = sys.argv[-1]
 
 
 def run(words, ranks=1, options="", home="/nowhere"):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    return subprocess.run([*launch, MPMSTAB, *words.split()], capture_output=True, text=True, check=False, timeout=60,
-                          env={**os.environ, "PETSC_OPTIONS": f"-options_left no {options}", "HOME": home})
+    return on_ranks(ranks, MPMSTAB, *words.split(), timeout=60, env={**os.environ, "PETSC_OPTIONS": f"-options_left no {options}", "HOME": home})
 
 
 def write(name, text):

@@ -12,9 +12,9 @@ import sys
 import h5py
 import numpy as np
 
-from checks import check
+from checks import check, on_ranks
 
-MPIEXEC, MPMSTAB = sys.argv[1:]
+MPMSTAB = sys.argv[-1]
 EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../examples")
 NOISE = "-kinematics finite -formulation usl -basis quadratic -cells 32 -initial random -amplitude 1e-3 -lame_ratio 1 -stretch 0.9".split()
 # dense metal that hardens, and snow that has packed together before the first step ends
@@ -25,8 +25,7 @@ INTERNAL = {"mises": "plastic_strain", "snow": "plastic_volume", "sand": "volume
 
 
 def run(ranks, *words):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    return subprocess.run([*launch, MPMSTAB, "run", *words], capture_output=True, text=True, check=False)
+    return on_ranks(ranks, MPMSTAB, "run", *words)
 
 
 def done(ranks, *words):

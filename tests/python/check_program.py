@@ -20,10 +20,10 @@ import numpy
 import scipy.sparse
 
 import program_implicit
-from checks import check, loaded, text_of
+from checks import check, loaded, on_ranks, text_of
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-MPIEXEC, MPMSTAB = sys.argv[2:4]
+MPMSTAB = sys.argv[-1]
 
 
 def program(name, *words):
@@ -32,8 +32,7 @@ def program(name, *words):
 
 def run(*words, ranks=1, status=0):
     """Runs mpmstab. Returns its JSON, or what it says on standard error if it must fail."""
-    launch = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launch, MPMSTAB, *words, "-json", "out.json"], capture_output=True, text=True, check=False)
+    done = on_ranks(ranks, MPMSTAB, *words, "-json", "out.json")
     check(done.returncode == status, f"{words}: status {done.returncode}, {done.stdout[-600:]} {done.stderr}")
     run.said = done.stdout
     return loaded("out.json") if status == 0 else done.stderr

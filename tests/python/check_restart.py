@@ -12,14 +12,11 @@ import sys
 import tempfile
 import time
 
+from checks import check
+
 MPIEXEC, MPMSTAB = sys.argv[1:]
 FILES = "-output out.h5 -csv out.csv -json out.json -checkpoint c.h5 -checkpoint_every 20".split()
 SCENE = "run -cells 300 -courant 0.2 -drift 0.3".split()
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_restart: {message}")
 
 
 def start(ranks, *words):

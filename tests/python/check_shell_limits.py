@@ -9,17 +9,13 @@ import subprocess
 import sys
 import tempfile
 
-MPIEXEC, MPMSTAB = sys.argv[1:]
+from checks import check, on_ranks
 
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_shell_limits: {message}")
+MPMSTAB = sys.argv[-1]
 
 
 def run(words, ranks=1, **how):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    return subprocess.run([*launch, MPMSTAB, *words], capture_output=True, text=True, check=False, timeout=60, **how)
+    return on_ranks(ranks, MPMSTAB, *words, timeout=60, **how)
 
 
 def check_memory():

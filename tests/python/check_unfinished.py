@@ -12,15 +12,12 @@ import sys
 import tempfile
 import time
 
+from checks import check
+
 MPIEXEC, MPMSTAB = sys.argv[1:]
 LONG = "run -cells 3000 -steps 1000000000000 -output out.h5 -csv out.csv -json out.json".split()
 SHORT = "run -cells 300 -steps 200 -output out.h5 -csv out.csv -json out.json -checkpoint c.h5 -checkpoint_every 10".split()
 WITHIN = 30  # seconds, of which a busy machine may need many
-
-
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_unfinished: {message}")
 
 
 def start(words, ranks=1):

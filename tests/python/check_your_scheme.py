@@ -9,30 +9,24 @@ import os
 import pathlib
 import re
 import shlex
-import subprocess
 import sys
 import tempfile
 
+import h5py
+
+from checks import check, on_ranks
+
+import picture_maps
+import picture_scenes
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "scripts"), str(ROOT / "scripts" / "report")]
-
-import h5py  # noqa: E402
-import picture_maps  # noqa: E402
-import picture_scenes  # noqa: E402
-
-MPIEXEC, MPMSTAB = sys.argv[1:]
+MPMSTAB = sys.argv[-1]
 FOLDER = ROOT / "examples" / "your-scheme"
 AHEAD, MID = str(FOLDER / "musl-ahead.yaml"), str(FOLDER / "musl-mid.yaml")
 
 
-def check(condition, message):
-    if not condition:
-        sys.exit(f"check_your_scheme: {message}")
-
-
 def run(*words, ranks=1, status=0):
-    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launch, MPMSTAB, *words], capture_output=True, text=True, timeout=120)
+    done = on_ranks(ranks, MPMSTAB, *words, timeout=120)
     check(done.returncode == status, f"{words}: status {done.returncode} instead of {status}\n{done.stdout}{done.stderr}")
     return done.stdout if status == 0 else done.stderr
 

@@ -24,6 +24,12 @@ def run_script(name, *arguments, **how):
                           check=False, **how)
 
 
+def on_ranks(ranks, *command, **how):
+    """Runs a command on so many ranks, and waits for its end. The last two arguments of a check are mpiexec and mpmstab."""
+    launch = [sys.argv[-2], "-q", "-n", str(ranks)] if ranks > 1 else []
+    return subprocess.run([*launch, *command], capture_output=True, text=True, check=False, **how)
+
+
 def check_one_line(done, what, says, status=2):
     """The script must have ended with this status and with one line on standard error, which has the words of says."""
     check(done.returncode == status and len(done.stderr.splitlines()) == 1 and says in done.stderr,
