@@ -1,11 +1,13 @@
 /*
-   Handlers of errors. A refusal prints one line, and so does an error that memory or one of PETSc's options has caused.
-   Any other error keeps PETSc's stack trace.
+   Starts and ends MPI, PETSc and SLEPc, and handles errors. A refusal prints one line, and so does an error that memory or
+   one of PETSc's options has caused. Any other error keeps PETSc's stack trace.
 */
 #include "base/errors_private.h"
+#include "base/launch.h"
 #include "base/text.h"
-#include "base/unfinished.h"
+#include "base/textfile.h"
 #include <ctype.h>
+#include <slepcsys.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,12 +116,12 @@ static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *functi
   return code;
 }
 
-int MpmErrorsStatus(PetscErrorCode error)
+static int StatusOf(PetscErrorCode error)
 {
   return error == PETSC_ERR_USER_INPUT || error == explained ? MPM_EXIT_REFUSED : MPM_EXIT_FAILED;
 }
 
-void MpmErrorsEnd(int status)
+static void EndAll(int status)
 {
   fflush(NULL);
   if (MpmRanksOf(PETSC_COMM_WORLD) == 1) _exit(status); /* MPI_Abort would print a message of its own */
@@ -142,7 +144,7 @@ static PetscErrorCode OutsideHandler(MPI_Comm comm, int line, const char *functi
   return code;
 }
 
-PetscErrorCode MpmErrorsOutside(void)
+static PetscErrorCode ReportOutside(void)
 {
   return PetscPushErrorHandler(OutsideHandler, NULL);
 }
@@ -191,7 +193,7 @@ void MpmPrint(const char format[], ...)
   va_end(arguments);
 }
 
-PetscBool MpmErrorsReportLost(void)
+static PetscBool ReportLost(void)
 {
   struct stat is;
 
@@ -200,4 +202,30 @@ PetscBool MpmErrorsReportLost(void)
   fprintf(stderr, "mpmstab: standard output cannot be written: the report is lost\n");
   if (!freopen("/dev/null", "w", stdout)) (void)fclose(stdout); /* PETSc flushes it when it ends, and would complain */
   return PETSC_TRUE;
+}
+
+/* Starts and ends MPI, PETSc and SLEPc for a program that uses this library. */
+
+PetscErrorCode MpmInitialize(int *argc, char ***argv)
+{
+  PetscErrorCode ierr;
+
+  MpmLaunchAlone();
+  if (!MpmLaunchMemory()) return PETSC_ERR_MEM;
+  ierr = ReportOutside();
+  if (!ierr) ierr = SlepcInitialize(argc, argv, NULL, NULL);
+  return ierr ? ierr : MpmErrorsInstall();
+}
+
+int MpmFinalize(PetscErrorCode error, int status)
+{
+  if (error) {
+    MpmUnfinishedRemove();
+    MpmTextFileAbandon();
+    status = StatusOf(error);
+  }
+  if (error && error != PETSC_ERR_USER_INPUT) EndAll(status); /* the other ranks may be waiting */
+  (void)PetscPopErrorHandler();
+  if (ReportLost()) status = MPM_EXIT_FAILED;
+  return SlepcFinalize() ? MPM_EXIT_REFUSED : status;
 }

@@ -10,7 +10,6 @@
 #include "scene/fields.h"
 #include "base/checksum.h"
 #include "base/textfile.h"
-#include "base/unfinished.h"
 #include <stdio.h>
 #include <string.h>
 

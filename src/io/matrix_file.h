@@ -8,8 +8,46 @@
      .petsc      PETSc's binary, of PetscInt with 32 or 64 bits
 */
 #pragma once
-#include "io/matrix_csr.h"
+#include "io/arrays.h"
+#include "probe/hooked.h"
 #include "scene/request.h"
+#include <petscmat.h>
+
+#define MPM_MATRIX_ENTRIES 3e8 /* the most that a file may have */
+
+/*S
+   MpmEntries - the entries of a matrix that is read, in any order, with room for a diagonal; those of one place are added.
+   Rows and columns count from 0. steps: that the matrix covers; 0: the file does not say. hooked: what the hook says of it.
+S*/
+typedef struct {
+  PetscInt64 rows, columns, n, steps;
+  PetscInt  *row, *column;
+  PetscReal *value;
+  MpmHooked  hooked;
+} MpmEntries;
+
+/*S
+   MpmCsr - a square matrix row by row: those of row i are begin[i] to begin[i + 1], by their columns. The first rank has
+   all rows, the others none.
+S*/
+typedef struct {
+  Mat            *whole;
+  PetscInt        order;
+  const PetscInt *begin, *column;
+  PetscReal      *value;
+} MpmCsr;
+
+/*
+   Not collective. MpmEntriesRoom - makes room, or says why a file with so many may not be; MpmEntriesCheck - says what
+   is wrong with entries that are no operator, in why ("": nothing).
+*/
+PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, MpmEntries *entries,
+                              char why[MPM_WHY_TEXT]);
+void           MpmEntriesCheck(const MpmEntries *entries, char why[MPM_WHY_TEXT]);
+/* Not collective. Takes entries to the scales of fields that the hook says, as those of a code that mpmstab itself probes. */
+void MpmEntriesToScales(MpmEntries *entries);
+
+PetscErrorCode MpmEntriesFree(MpmEntries *entries);
 
 /*
    MpmMatrixRead - reads a square matrix from a file. *steps: on entry what the user says that it covers, 0 if nothing; on

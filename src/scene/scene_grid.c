@@ -1,13 +1,241 @@
 /*
-   From settings to a scene: the grid, where particles are in it, the time step, and how far particles move in one.
+   From settings to a scene: wave speed and units, the grid, where particles are in it, the time step, and how far particles
+   move in one.
 */
+#include "base/text.h"
 #include "scene/layout.h"
 #include "scene/settings.h"
+#include <mpmstab/scheme.h>
 #include <math.h>
 #include <string.h>
 
-#define MOST_PARTICLES (PETSC_MAX_INT / 2)
 #define MOST_DRIFT 1e6 /* cells per step */
+
+static const char *const moduli[] = {"young", "bulk", "shear"};
+
+/* Adds the name of an option to a list, unless it was given. */
+static void AddMissing(const MpmSettings *settings, const char name[], size_t room, char list[])
+{
+  if (MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT) return;
+  if (list[0]) MpmTextJoin(list, " and ", room);
+  MpmTextJoin(list, name, room);
+}
+
+/* Refuses a modulus without the others that it needs; density and poisson have a meaning beside a wave speed, too. */
+static PetscErrorCode CheckComplete(const MpmSettings *settings, const MpmScene *scene, const char modulus[])
+{
+  const PetscBool is_young    = MpmSettingsGiven(settings, "young");
+  char            missing[64] = "";
+
+  PetscFunctionBegin;
+  if (!is_young) AddMissing(settings, "bulk", sizeof missing, missing);
+  if (!is_young) AddMissing(settings, "shear", sizeof missing, missing);
+  if (is_young && scene->layout.dim > 1) AddMissing(settings, "poisson", sizeof missing, missing);
+  AddMissing(settings, "density", sizeof missing, missing);
+  if (!missing[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsRefuse(
+      settings, modulus, "the wave speed needs %s besides; allowed: %s, bulk with shear and density, or sound_speed",
+      missing, scene->layout.dim > 1 ? "young with poisson and density" : "young with density"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A formulation without a stress, in more than one dimension, has a bulk modulus at most. */
+static PetscErrorCode CheckStress(const MpmSettings *settings, const MpmScene *scene, const char modulus[])
+{
+
+  PetscFunctionBegin;
+  if (scene->layout.dim == 1 || MpmSceneHasPoisson(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsRefuse(settings, modulus,
+                              "%s has no stress with dim %" PetscInt_FMT "; allowed: bulk with shear 0, or sound_speed",
+                              scene->scheme.formulation->name, scene->layout.dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FromYoung(const MpmSettings *settings, const MpmScene *scene, PetscReal *stiffness)
+{
+  PetscReal nu = 0;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsReal(settings, "young", stiffness));
+  PetscCall(CheckStress(settings, scene, "young"));
+  PetscCall(CheckComplete(settings, scene, "young"));
+  if (scene->layout.dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  nu = scene->scheme.space.poisson;
+  MpmSettingsRefuseIf(nu == 0.5, settings, "poisson",
+                      "with young, the wave speed would be infinite; allowed: less than 0.5, or bulk with "
+                      "shear 0, or sound_speed");
+  *stiffness *= (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* nu = (3 K - 2 G) / (2 (3 K + G)). */
+static PetscErrorCode FromBulkAndShear(const MpmSettings *settings, MpmScene *scene, PetscReal *stiffness)
+{
+  PetscReal bulk, shear, nu;
+
+  PetscFunctionBegin;
+  PetscCall(CheckComplete(settings, scene, MpmSettingsGiven(settings, "bulk") ? "bulk" : "shear"));
+  PetscCall(MpmSettingsReal(settings, "bulk", &bulk));
+  PetscCall(MpmSettingsReal(settings, "shear", &shear));
+  if (shear > 0) PetscCall(CheckStress(settings, scene, "shear"));
+  *stiffness = bulk + 4 * shear / 3;
+  nu         = (3 - 2 * (shear / bulk)) / (2 * (3 + shear / bulk));
+  if (!MpmSceneHasPoisson(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmSettingsRefuseIf(!(nu >= 0), settings, "shear",
+                      "Poisson's ratio would be below 0; allowed: at most 1.5 times bulk");
+  scene->scheme.space.poisson = nu;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FromModuli(const MpmSettings *settings, MpmScene *scene)
+{
+  static const char *const given[] = {"young", "bulk", "shear", "density"};
+  PetscReal                stiffness;
+
+  PetscFunctionBegin;
+  if (MpmSettingsGiven(settings, "young"))
+    PetscCall(FromYoung(settings, scene, &stiffness));
+  else
+    PetscCall(FromBulkAndShear(settings, scene, &stiffness));
+  scene->wave_speed = sqrt(stiffness) / sqrt(scene->density);
+  MpmSettingsRefuseIf(!isnormal(scene->wave_speed), settings,
+                      MpmSettingsFarthest(settings, PETSC_STATIC_ARRAY_LENGTH(given), given),
+                      "the wave speed is out of range with it; allowed: a number nearer to 1");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReadWaveSpeed(const MpmSettings *settings, MpmScene *scene)
+{
+  static const char *const units[]    = {"density", "sound_speed", "cell_width", "dt"};
+  PetscBool                has_moduli = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(moduli); i++)
+    if (MpmSettingsGiven(settings, moduli[i])) has_moduli = PETSC_TRUE;
+  scene->physical = has_moduli;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(units); i++)
+    if (MpmSettingsGiven(settings, units[i])) scene->physical = PETSC_TRUE;
+  scene->has_step = MpmSettingsGiven(settings, "dt") || MpmSettingsSource(settings, "courant") != MPM_FROM_DEFAULT
+                        ? PETSC_TRUE
+                        : PETSC_FALSE;
+  if (has_moduli)
+    PetscCall(FromModuli(settings, scene));
+  else if (MpmSettingsGiven(settings, "density") && !MpmSettingsGiven(settings, "sound_speed") &&
+           MpmSettingsSource(settings, "wave_speed") == MPM_FROM_DEFAULT)
+    PetscCall(MpmSettingsRefuse(settings, "density",
+                                "there is no stiffness beside it; allowed: with young (and poisson with dim 2 or 3), "
+                                "with bulk and shear, or with sound_speed"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* From settings to Mach numbers, and to the drift that they make. */
+
+PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, MpmMach *mach)
+{
+  MpmFraction number[MPM_MAX_DIM];
+  PetscBool   ok;
+
+  PetscFunctionBegin;
+  *mach = (MpmMach){.dim = dim, .unit = {.den = 1}};
+  if (!MpmSettingsGiven(settings, "mach")) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsFractions(settings, "mach", dim, number));
+  MpmMachCreate(dim, number, mach, &ok);
+  MpmSettingsRefuseIf(!ok, settings, "mach", "allowed: numbers of at most 15 digits, or fractions");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first of two options that was given, as a fraction; the number itself where neither was. */
+static PetscErrorCode OneOf(const MpmSettings *settings, const char name[], const char other[], PetscReal number,
+                            MpmFraction *fraction)
+{
+  MpmFraction each[MPM_MAX_DIM];
+  const char *given = MpmSettingsGiven(settings, name) ? name : MpmSettingsGiven(settings, other) ? other : NULL;
+
+  PetscFunctionBegin;
+  *fraction = (MpmFraction){.value = number};
+  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsFractions(settings, given, 1, each));
+  *fraction = each[0];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   k as a fraction: courant as it was given, or c dt / h. Where these are no fractions with short terms it is the double,
+   and then the drift is the short fraction that is the same double, if there is one.
+*/
+static PetscErrorCode CourantOf(const MpmSettings *settings, const MpmScene *scene, MpmFraction *courant)
+{
+  const PetscInt cells     = MpmSettingsGiven(settings, "cell_width") ? 1 : scene->layout.grid[0].cells;
+  MpmFraction    factor[4] = {[2] = {cells, 1, cells}}, width[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  if (!MpmSettingsGiven(settings, "dt")) {
+    PetscCall(OneOf(settings, "courant", "courant", scene->step.courant, courant));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(OneOf(settings, "wave_speed", "sound_speed", scene->wave_speed, &factor[0]));
+  PetscCall(OneOf(settings, "dt", "dt", scene->dt, &factor[1]));
+  if (MpmSettingsGiven(settings, "cell_width"))
+    PetscCall(MpmSettingsFractions(settings, "cell_width", 1, width));
+  else
+    PetscCall(MpmSettingsFractions(settings, "length", scene->layout.dim, width));
+  factor[3] = (MpmFraction){width[0].den, width[0].num, 1 / width[0].value};
+  *courant  = MpmFractionProduct(4, factor);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The drift M k of a scene whose Courant number is known, if mach is given. */
+static PetscErrorCode MachDrift(const MpmSettings *settings, MpmScene *scene)
+{
+  MpmFraction factors[2], part;
+  MpmMach     mach;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &mach));
+  if (!MpmSettingsGiven(settings, "mach")) PetscFunctionReturn(PETSC_SUCCESS);
+  factors[0] = mach.unit;
+  PetscCall(CourantOf(settings, scene, &factors[1]));
+  part = MpmFractionProduct(2, factors);
+  if (!part.den) part = MpmFractionNear(mach.unit.value * scene->step.courant, MPM_LONGEST_PERIOD);
+  MpmMachDrift(&mach, &part, scene->step.drift);
+  for (PetscInt a = 0; a < scene->layout.dim; a++)
+    MpmSettingsRefuseIf(!(PetscAbsReal(scene->step.drift[a].value) <= MOST_DRIFT), settings, "mach",
+                        "allowed: at most 1e6 cells per step");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScene *scene, const MpmMach *mach)
+{
+  const PetscReal part = mach->unit.value * scene->step.courant;
+  MpmFraction     near, courant;
+  PetscInt64      common = 1;
+  char            over[32];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->layout.dim; a++) {
+    const PetscInt64 den = scene->step.drift[a].den;
+
+    common = den ? common / MpmCommonDivisor(common, den) * den : MPM_LONGEST_PERIOD + 1;
+    if (common > MPM_LONGEST_PERIOD) break;
+  }
+  if (common <= MPM_LONGEST_PERIOD) PetscFunctionReturn(PETSC_SUCCESS);
+  near = MpmFractionNearest(part, MPM_LONGEST_PERIOD);
+  if (!near.num) near = (MpmFraction){1, MPM_LONGEST_PERIOD, 1.0 / MPM_LONGEST_PERIOD};
+  courant = MpmMachCourant(mach, &near);
+  (void)snprintf(over, sizeof over, courant.den == 1 ? "" : "/%" PetscInt64_FMT, courant.den);
+  PetscCall(
+      MpmSettingsRefuse(settings, "mach",
+                        "at Courant number %.10g particles are not back in their places within %d steps; allowed: the "
+                        "nearest Courant number is %" PetscInt64_FMT "%s ('mpmstab run' takes any)",
+                        scene->step.courant, MPM_LONGEST_PERIOD, courant.num, over));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   From settings to a scene: the grid, where particles are in it, the time step, and how far particles move in one.
+*/
+
+#define MOST_PARTICLES (PETSC_MAX_INT / 2)
 #define SAME_WIDTH 1e-12
 
 /* ---- units, grid and time ---- */
@@ -203,5 +431,6 @@ PetscErrorCode MpmSettingsReadGrid(const MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadLayout(settings, scene));
   PetscCall(ReadTime(settings, scene));
   PetscCall(ReadVelocity(settings, scene));
+  PetscCall(MachDrift(settings, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 /*
    Settings: what the user said, as text, with where it was said. The command line overrides what PETSc finds elsewhere
-   (settings_place.h), this overrides the scene file, and the scene file overrides the defaults. Readers for each kind of
+   (MpmSettingsPlace), this overrides the scene file, and the scene file overrides the defaults. Readers for each kind of
    value refuse what is not allowed, with one message that names the option, its value and what is allowed.
 */
 #pragma once
@@ -60,9 +60,6 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
 /* Collective. Refuses words, misspelled options and those the task does not read, before anything runs. */
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first);
 
-/* Collective. Refuses a key of a scene that does not exist, and names one that may be meant. */
-PetscErrorCode MpmSettingsRefuseKey(const MpmSettings *settings, const char key[], int line);
-
 /*
    Collective. Sets the numbers that the formulation is given. filters: the transfer has a filter, or makes something else of the nodes, for
    which stages on particles have no place; such stages are refused then.
@@ -71,8 +68,6 @@ PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, const 
                                              PetscBool filters, MpmSchemeNumbers *numbers);
 
 /*
-   MpmSettingsKeepScheme    - keeps a scheme that is written in the scene
-   MpmSettingsKeepParameter - keeps what was said of what may be a parameter
    MpmSettingsReadScheme    - reads the scheme of a file, and what the command line says of the scheme's parameters. It
                               refuses keys and names that are neither options nor parameters.
    MpmSettingsParameterSaid - what was said of before and name, such as map_ and theta; NULL: nothing
@@ -82,16 +77,32 @@ PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, const 
 
    Collective.
 */
-PetscErrorCode MpmSettingsKeepScheme(MpmSettings *settings, yaml_document_t *document, const yaml_node_t *node,
-                                     int line);
-PetscErrorCode MpmSettingsKeepParameter(MpmSettings *settings, const char name[], const char text[], MpmOrigin source,
-                                        int line);
-PetscErrorCode MpmSettingsReadScheme(MpmSettings *settings);
+PetscErrorCode              MpmSettingsReadScheme(MpmSettings *settings);
 const MpmSettingsParameter *MpmSettingsParameterSaid(const MpmSettings *settings, const char before[],
                                                      const char name[]);
 PetscErrorCode              MpmSettingsRefuseParameter(const MpmSettings *settings, const MpmSettingsParameter *said,
                                                        const char why[]);
 PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], PetscBool *has, size_t room, char near[]);
+
+#define MPM_PLACE_TEXT 512
+
+/*
+   MpmSettingsPlace - says where an option of PETSc's database comes from: ", from PETSC_OPTIONS", ", from .petscrc" or
+   another file of options; "" for the command line, or the program itself. value: NULL or "" for none.
+   MpmSettingsPlaceFile - gives the names of the files of options, the one that overrules the others first; the command
+   line may name one. there: whether there is an i-th name. There need be no such file.
+
+   Collective on PETSC_COMM_WORLD: MpmSettingsPlace. Not collective: MpmSettingsPlaceFile.
+*/
+PetscErrorCode MpmSettingsPlace(const char name[], const char value[], char place[MPM_PLACE_TEXT]);
+PetscErrorCode MpmSettingsPlaceFile(int i, size_t room, char file[], PetscBool *there);
+
+/*
+   Not collective. What others call an option, or a word that is a value of an option, as it is called here; or NULL. Case
+   does not matter but for E, K and G.
+*/
+const char *MpmOptionCalledHere(const char name[]);
+const char *MpmWordCalledHere(const char option[], const char word[]);
 
 /* Not collective. Whether PETSc or SLEPc takes an option of this name, as far as is known beforehand. */
 PetscBool MpmSettingsIsLibrary(const char name[]);
@@ -189,19 +200,16 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
 PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, const PetscInt *dim, void *object);
 
 /*
-   Collective. Reads mach for each direction, 0 where it is not given. Forms the drift M k of a scene whose Courant number
-   is known, if mach is given. Refuses a drift M k without a short period, and names the nearest Courant number that has
-   one.
+   Collective. Reads mach for each direction, 0 where it is not given. Refuses a drift M k without a short period, and names
+   the nearest Courant number that has one.
 */
 PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, MpmMach *mach);
-PetscErrorCode MpmSettingsMachDrift(const MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScene *scene, const MpmMach *mach);
-
-/* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
-PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene);
 
 /* Collective. As MpmSceneFromText; messages call the text by the name. */
 PetscErrorCode MpmSceneFromNamedText(const char name[], const char yaml[], MpmScene **scene);
+
+/* Collective. Checks and keeps the names of a request's files. */
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
 
 /*
@@ -217,33 +225,26 @@ PetscErrorCode MpmSettingsCheckTrust(const MpmSettings *settings);
 PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
 PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequest *request);
 
-/* Collective. Sets the neighbourhoods of a request, and the number of layouts where it was not given. */
-PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
-
 /*
    MpmSettingsNameMatrix - whether a file with a matrix, or with the blocks of a lattice, takes the place of a scene.
 
    Collective. Refuses options of a scene beside it, options of a matrix without one, and tasks that need a scene.
-   MpmSettingsPhases: of how many directions the numbers of phases were given; one number stands for all.
 */
 PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named);
 
-/* Collective. Reads which program or plugin takes the place of a scene, and how it is probed. */
-PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *request);
-
 /*
-   MpmSettingsReadProgramAxes - reads the axes of a map of a code: two of its parameters, each with a span lo,hi in the
-   option map_NAME. Whether the code has such parameters is known when it has been started.
+   MpmSettingsReadProgram - reads which program or plugin takes the place of a scene, how it is probed, and the axes of a map
+   of it: two of its parameters, each with a span lo,hi in the option map_NAME. Whether the code has such parameters is known
+   when it has been started.
    MpmSettingsIsSpanOfProgram - whether an option of this name is such a span, if a code is mapped: map_axes names it.
 
    Collective.
 */
-PetscErrorCode MpmSettingsReadProgramAxes(const MpmSettings *settings, MpmRequest *request);
+PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *request);
 PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is);
 
 /* Not collective. Whether the files of a map have something of this name already, so that no axis may have it. */
 PetscBool MpmSettingsIsOfMap(const char name[]);
-void      MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
 
 /*
    Collective. Reads the wave speed of a scene, the Poisson's ratio that follows from bulk and shear modulus, and whether
@@ -300,12 +301,6 @@ PetscErrorCode MpmSettingsReadSolution(const MpmSettings *settings, MpmScene *sc
 PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *scene);
 
 /*
-   Collective. Reads what a run is asked of its tangent, and refuses it for a scene whose step has none. The table of the
-   scene, and the other fields of the request, must be known.
-*/
-PetscErrorCode MpmSettingsReadTangent(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
-
-/*
    Collective. Refuses an option that the scene's formulation cannot do. The message says what the formulation has none
    of, and names those that have.
 */
@@ -316,8 +311,7 @@ PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *s
 PetscBool MpmFormulationIsProjected(const MpmFormulation *formulation);
 
 /*
-   Collective. Reads the grid of a scene, where its particles are, the time step, and the drift unless mach is given. The
-   wave speed must be known.
+   Collective. Reads the grid of a scene, where its particles are, the time step, and the drift. The wave speed must be known.
 */
 PetscErrorCode MpmSettingsReadGrid(const MpmSettings *settings, MpmScene *scene);
 

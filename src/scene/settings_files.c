@@ -2,11 +2,9 @@
    Names of files. They are refused before any work is done when they cannot be written, or would overwrite one
    another.
 */
-#include "base/file_names.h"
 #include "base/textfile.h"
 #include "scene/settings.h"
 #include "scene/request.h"
-#include "scene/settings_place.h"
 #include <string.h>
 
 #define MESSAGE 4096

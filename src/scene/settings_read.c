@@ -2,8 +2,6 @@
 #include "scene/settings.h"
 #include "base/suggest.h"
 #include "base/text.h"
-#include "scene/synonyms.h"
-#include "scene/settings_place.h"
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>

@@ -4,6 +4,143 @@
 #include <math.h>
 #include <string.h>
 
+#define ALL MPM_NEIGHBOURHOODS /* the word after those of the kinds */
+#define MANY_LAYOUTS 100       /* of an ensemble, when the option layouts is not given */
+#define SOME_LAYOUTS 20        /* of neighbourhoods random and disordered, whose limits are sought too */
+
+const char *const MpmNeighbourhoodNames[] = {"bulk",       "edge",  "corner", "lone", "random",
+                                             "disordered", "worst", "all",    NULL};
+
+/* All leaves out a corner in one dimension, where it is an edge, and the worst, whose search takes long. */
+static void Take(PetscInt word, const MpmScene *scene, MpmRequest *request)
+{
+  if (word != ALL) {
+    request->neighbourhood[word] = PETSC_TRUE;
+    return;
+  }
+  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
+    if ((scene->layout.dim > 1 || kind != MPM_AT_CORNER) && kind != MPM_AT_WORST)
+      request->neighbourhood[kind] = PETSC_TRUE;
+}
+
+/*
+   Whether a scene in physical units leaves open where its particles end. One with walls, gaps or jitter says itself
+   where they are.
+*/
+static PetscBool FillsSpace(const MpmScene *scene)
+{
+  return MpmSceneIsPhysical(scene) && MpmLayoutIsUniform(&scene->layout) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscErrorCode ReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  const PetscBool critical = !strcmp(request->task, "critical") ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool reads    = critical || !strcmp(request->task, "spectrum") ? PETSC_TRUE : PETSC_FALSE;
+  PetscInt        word[MPM_NEIGHBOURHOODS + 1], n = 0;
+
+  PetscFunctionBegin;
+  if (reads && MpmSettingsGiven(settings, "neighbourhood"))
+    PetscCall(MpmSettingsWords(settings, "neighbourhood", MPM_NEIGHBOURHOODS + 1, &n, word));
+  MpmSettingsRefuseIf(n && request->survey, settings, "neighbourhood",
+                      "a survey is of the bulk; allowed: without survey");
+  MpmSettingsRefuseIf(n && critical && request->at_mach, settings, "neighbourhood",
+                      "at a Mach number the search is of the bulk; allowed: drift");
+  if (!n) word[n++] = critical && !request->survey && !request->at_mach && FillsSpace(scene) ? ALL : MPM_IN_BULK;
+  for (PetscInt i = 0; i < n; i++) Take(word[i], scene, request);
+  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
+    MpmSettingsRefuseIf(scene->layout.given && request->neighbourhood[kind] != (kind == MPM_IN_BULK), settings,
+                        "neighbourhood", "the layout of a file has its own surfaces; allowed: bulk, or layout uniform");
+  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
+    MpmSettingsRefuseIf(scene->layout.colliders && request->neighbourhood[kind] != (kind == MPM_IN_BULK), settings,
+                        "neighbourhood", "colliders stand in the grid of the scene; allowed: bulk");
+  if (!request->neighbourhood[MPM_IN_BULK])
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
+                                   "csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix",
+                                   "it is of the bulk; allowed: with neighbourhood bulk"));
+  if (reads && !request->neighbourhood[MPM_AT_RANDOM])
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "voids", "allowed: with neighbourhood random"));
+  if (reads && !request->neighbourhood[MPM_AT_RANDOM] && !request->neighbourhood[MPM_DISORDERED] &&
+      !request->neighbourhood[MPM_AT_WORST])
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "layouts",
+                                   "allowed: with neighbourhood random, disordered or worst"));
+  if (critical && !request->neighbourhood[MPM_AT_WORST] && !scene->layout.given)
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "write_layout",
+                                   "allowed: with neighbourhood worst, or with layout FILE or random"));
+  if (!MpmSettingsGiven(settings, "layouts"))
+    request->layouts = strcmp(request->task, "ensemble") ? SOME_LAYOUTS : MANY_LAYOUTS;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What a run is asked of its tangent, and whether its scheme has one. */
+
+const char *const MpmTangentNames[] = {"none", "random", "mode", NULL};
+
+/* Why the step of a scene has no tangent here, or NULL where it has one. */
+static const char *WhyNot(const MpmScene *scene)
+{
+  if (!scene->scheme.space.finite) return "the step is linear, and is its own tangent; allowed: with kinematics finite";
+  if (scene->scheme.space.local != 0)
+    return "with local_damping the step has no derivative where a velocity is 0; allowed: without local_damping";
+  if (scene->scheme.numbers.rk_relax)
+    return "with rk_relax a step has a factor, which has no derivative where it comes to 1; allowed: without rk_relax";
+  if (MpmTableHas(scene->scheme.table, MPM_SOLVE))
+    return "transfer nullspace has a pseudoinverse, whose derivative is not known here; allowed: another transfer";
+  if (MpmBasisIsAltered(scene->scheme.basis))
+    return "with spline_ends modified or open the derivatives of its weights are not known here; allowed: spline_ends "
+           "mirror";
+  return NULL;
+}
+
+/* The task spectrum marches a scene of finite kinematics to the state that it looks at, and others not at all. */
+static PetscErrorCode CheckSpectrum(const MpmSettings *settings, const MpmScene *scene)
+{
+  PetscFunctionBegin;
+  if (scene->scheme.space.finite)
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_SCENE, "measure,nodal,neighbourhood,modes",
+                                   "it is of a linear step; allowed: with kinematics linear"));
+  else
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
+                                   "initial,mode,polarisation,amplitude,gravity,at_step",
+                                   "the spectrum of a linear step does not depend on it; allowed: with task run, or "
+                                   "with kinematics finite"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses more numbers of a state than PETSC_MAX_INT. Of each place there are a cell and a place in the cell. */
+static PetscErrorCode CheckUnknowns(const MpmSettings *settings, const MpmScene *scene, const char option[])
+{
+  const PetscInt64 each = 2 * scene->layout.dim + scene->scheme.table->nstate;
+
+  PetscFunctionBegin;
+  if (scene->layout.particles <= PETSC_MAX_INT / each) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsRefuse(
+      settings, option, "too many particles for a tangent, %" PetscInt64_FMT "; allowed: at most %" PetscInt64_FMT,
+      scene->layout.particles, PETSC_MAX_INT / each));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadTangent(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  const PetscBool frozen = strcmp(request->task, "spectrum") ? PETSC_FALSE : PETSC_TRUE;
+  const char     *why    = WhyNot(scene);
+
+  PetscFunctionBegin;
+  MpmSettingsRefuseIf(request->tangent && why, settings, "tangent", "%s", why);
+  if (request->tangent) PetscCall(CheckUnknowns(settings, scene, "tangent"));
+  if (frozen) PetscCall(CheckSpectrum(settings, scene));
+  MpmSettingsRefuseIf(frozen && why && scene->scheme.space.finite, settings, "kinematics", "%s", why);
+  if (frozen && scene->scheme.space.finite) PetscCall(CheckUnknowns(settings, scene, "kinematics"));
+  if (!request->tangent)
+    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_SCENE, "window,exponents,warn_above",
+                                   "nothing reads it here; allowed: with tangent"));
+  MpmSettingsRefuseIf((PetscInt64)request->exponents >
+                          (scene->layout.dim + scene->scheme.table->nstate) * scene->layout.particles,
+                      settings, "exponents", "allowed: no more than places and fields of all particles");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* From settings to a request: what a task is to do with its scene. */
+
 #define MOST_STEPS 1e15
 
 /* ---- time ---- */
@@ -408,7 +545,7 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   if (!request->nodal_asked)
     request->nodal = scene->layout.particles * scene->scheme.table->nstate >= NODAL_FROM ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(CheckKinematics(settings, scene, request));
-  PetscCall(MpmSettingsReadTangent(settings, scene, request));
+  PetscCall(ReadTangent(settings, scene, request));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSolution(settings, scene, request));
   if (request->survey) /* it does not depend on the scene's Courant number */
@@ -421,7 +558,7 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   PetscCall(CheckSpans(settings, request));
   PetscCall(CheckVelocity(settings, scene, request));
   PetscCall(ReadMach(settings, scene, request));
-  PetscCall(MpmSettingsReadNeighbourhoods(settings, scene, request));
+  PetscCall(ReadNeighbourhoods(settings, scene, request));
   /* the slides define their weights for hat functions, at nodes with a cell on either side */
   MpmSettingsRefuseIf(!strcmp(request->task, "run") && request->weights &&
                           !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)),
@@ -437,14 +574,15 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
 */
 PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequest *request)
 {
-  PetscInt dim;
+  const char *phases = MpmSettingsText(settings, "phases");
+  PetscInt    dim;
 
   PetscFunctionBegin;
-  MpmSettingsPhases(settings, &request->given_phases);
+  request->given_phases = phases ? 1 : 0;
+  for (; phases && *phases; phases++) request->given_phases += *phases == ',';
   dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
   PetscCall(MpmSettingsReadProgram(settings, request));
-  if (!strcmp(request->task, "map")) PetscCall(MpmSettingsReadProgramAxes(settings, request));
   PetscCall(ReadOutputs(settings, NULL, request));
   PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);

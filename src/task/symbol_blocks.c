@@ -5,7 +5,6 @@
 #include "io/symbol_files.h"
 #include "probe/motion.h"
 #include "report/report_program.h"
-#include "task/expect.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 

@@ -1,6 +1,9 @@
 /* Tasks: what a user can ask the program to do. */
 #pragma once
-#include "scene/request.h"
+#include "analysis/neighbourhoods.h"
+#include "analysis/run.h"
+#include "analysis/spectrum.h"
+#include <jansson.h>
 
 /*
    Does the work of a task on its scene (NULL: a matrix takes its place) and request. missed: the number of expectations
@@ -56,11 +59,21 @@ PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started
 PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, PetscInt *missed);
 
 /*
-   What is installed beside the program, made from its list of options: a JSON schema of scene files, for editors;
-   completions for bash or zsh; the man page, in the language of man(7).
+   MpmSpectrumReport - the part of a report on a spectrum that comes after its heading. spectrum: of the bulk, or NULL. all:
+   of the neighbourhoods, or NULL where there is the bulk alone.
+   MpmSpectrumWriteFiles - writes eigenvalues, modes, the symbol's curves and transient growth as HDF5, and eigenvalues as
+   CSV, where the request names such files.
 
-   Collective: the first rank prints.
+   Collective.
 */
-PetscErrorCode MpmPrintSchema(void);
-void           MpmPrintCompletion(PetscBool zsh);
-void           MpmPrintManual(void);
+void MpmSpectrumReport(json_t *result, const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *spectrum,
+                       const MpmNeighbourhoods *all);
+PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *spectrum);
+
+/*
+   Collective. Compare what a scene expects with what came out, print each expectation that is missed, and add to their
+   number: of a run; of the verdict and growth of a computed spectrum or symbol; of one number.
+*/
+PetscErrorCode MpmExpectRun(const MpmRun *run, PetscInt *missed);
+PetscErrorCode MpmExpectFinding(const MpmExpect *expect, const MpmFinding *finding, PetscInt *missed);
+PetscErrorCode MpmExpectNumber(const MpmExpect *expect, MpmExpected which, PetscReal value, PetscInt *missed);

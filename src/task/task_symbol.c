@@ -1,11 +1,113 @@
-/* The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE | -program COMMAND | -plugin FILE] [-option value]... */
-#include "task/expect.h"
-#include "report/results.h"
+/*
+   The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE | -program COMMAND | -plugin FILE] [-option value]...
+*/
+#include "analysis/damping.h"
+#include "analysis/refined.h"
+#include "base/textfile.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
-#include "analysis/refined.h"
+#include "report/report.h"
 #include "task/task.h"
 #include <math.h>
+
+#define ROUNDING 1e-12 /* decay of less per unit of time h / c is rounding */
+#define STANDS -1      /* the error of the frequency of a wave that does not travel */
+
+/* Of waves 1, 2, 4, 8, ... the table has a row. */
+static PetscBool IsShown(PetscInt w)
+{
+  return ((w + 1) & w) == 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Prints a row for each wave. unit: what decay is multiplied by, with a column for it; 0: none. */
+static void PrintStep(const MpmDamping *d, PetscInt i, PetscReal unit)
+{
+  for (PetscInt w = 0; w < d->nwaves; w++) {
+    const PetscInt  at    = d->nwaves * i + w;
+    const PetscReal decay = fabs(d->decay[at]) < ROUNDING ? 0 : d->decay[at];
+
+    if (!IsShown(w)) continue;
+    MpmPrint("  %-10.6g  %-9.6g  %12.5g", d->courant[i], d->wavelength[w], decay);
+    if (unit > 0) MpmPrint("  %12.5g", decay * unit);
+    MpmPrint("  %13.6g", exp(-decay * d->wavelength[w]));
+    if (isnan(d->frequency[at]))
+      MpmPrint("  %15s", "not known");
+    else if (fabs(d->frequency[at] - STANDS) < ROUNDING)
+      MpmPrint("  %15s", "does not travel");
+    else
+      MpmPrint("  %+15.5g", d->frequency[at]);
+    MpmPrint("  %7.4f\n", d->match[at]);
+  }
+}
+
+/* Keeps a list for each time step. */
+static void Rows(json_t *result, const char name[], const MpmDamping *d, const PetscReal values[], PetscReal unit)
+{
+  for (PetscInt i = 0; i < d->nsteps; i++) {
+    json_t *row = json_array();
+
+    for (const PetscReal *v = values + d->nwaves * i; v < values + d->nwaves * (i + 1); v++)
+      (void)json_array_append_new(row, isfinite(*v) ? json_real(*v * unit) : json_null());
+    (void)json_array_append_new(MpmResultList(result, name), row);
+  }
+}
+
+static void Damping(json_t *result, const MpmScene *scene, const MpmDamping *d)
+{
+  const PetscReal unit = MpmSceneIsPhysical(scene) ? scene->wave_speed / scene->cell_width : 0;
+
+  MpmPrint(
+      "\ndamping of waves along x, of the mode of each that is nearest to the exact wave travelling to the right\n");
+  MpmPrint("  %-10s  %-9s  %12s", "courant", "cells", "decay c/h");
+  if (unit > 0) MpmPrint("  %12s", "decay 1/time");
+  MpmPrint("  %13s  %15s  %7s\n", "kept a period", "frequency error", "match");
+  for (PetscInt i = 0; i < d->nsteps; i++) PrintStep(d, i, unit);
+  MpmPrint("\n");
+  MpmResultNumbers(result, "wavelength", d->nwaves, d->wavelength);
+  MpmResultNumbers(result, "courant", d->nsteps, d->courant);
+  Rows(result, "decay", d, d->decay, 1);
+  if (unit > 0) Rows(result, "decay_per_time", d, d->decay, unit);
+  Rows(result, "frequency_error", d, d->frequency, 1);
+  Rows(result, "match", d, d->match, 1);
+  MpmResultKeep(result, "%g{seconds}", d->seconds);
+}
+
+static PetscErrorCode WriteDampingCsv(const MpmDamping *d, const char path[])
+{
+  MpmTextFile csv;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTextFileOpen(path, &csv));
+  if (csv.stream) {
+    fprintf(csv.stream, "courant,wavelength,decay,kept_a_period,frequency_error,match\n");
+    for (PetscInt i = 0; i < d->nsteps * d->nwaves; i++) {
+      const PetscReal cells = d->wavelength[i % d->nwaves];
+
+      fprintf(csv.stream, "%.17g", d->courant[i / d->nwaves]);
+      MpmTextFileCell(&csv, cells);
+      MpmTextFileCell(&csv, d->decay[i]);
+      MpmTextFileCell(&csv, exp(-d->decay[i] * cells));
+      MpmTextFileCell(&csv, d->frequency[i]);
+      MpmTextFileCell(&csv, d->match[i]);
+      fprintf(csv.stream, "\n");
+    }
+  }
+  PetscCall(MpmTextFileClose(&csv));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteDamping(const MpmDamping *d, MpmDataFile *file)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmDataFileArray(file, "/symbol", "damping_wavelength", d->nwaves, 1, d->wavelength));
+  PetscCall(MpmDataFileArray(file, "/symbol", "damping_courant", d->nsteps, 1, d->courant));
+  PetscCall(MpmDataFileArray(file, "/symbol", "damping_decay", d->nsteps, d->nwaves, d->decay));
+  PetscCall(MpmDataFileArray(file, "/symbol", "damping_frequency_error", d->nsteps, d->nwaves, d->frequency));
+  PetscCall(MpmDataFileArray(file, "/symbol", "damping_match", d->nsteps, d->nwaves, d->match));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE | -program COMMAND | -plugin FILE] [-option value]... */
 
 /* What is said of a scene. refined, damping: NULL where they are not asked for. */
 typedef struct {
@@ -61,7 +163,7 @@ static PetscErrorCode Report(const MpmScene *scene, const MpmRequest *request, c
   if (a->refined) Refined(MpmResultIn(result, "refined"), scene->layout.dim, a->refined);
   MpmPrint("\n");
   MpmReportComparison(result, &a->predictor, &a->comparison);
-  if (a->damping) MpmDampingReport(MpmResultIn(MpmResultIn(result, "symbol"), "damping"), scene, a->damping);
+  if (a->damping) Damping(MpmResultIn(MpmResultIn(result, "symbol"), "damping"), scene, a->damping);
   MpmReportFinding(result, &a->finding, a->symbol->condition);
   MpmPrint("time: %.3g s\n", a->symbol->seconds);
   PetscCall(MpmResultEnd(request, wall_s, &result));
@@ -73,12 +175,12 @@ static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmRequest *reques
   MpmDataFile file;
 
   PetscFunctionBegin;
-  if (request->csv[0] && a->damping) PetscCall(MpmDampingWriteCsv(a->damping, request->csv));
+  if (request->csv[0] && a->damping) PetscCall(WriteDampingCsv(a->damping, request->csv));
   if (request->csv[0] && !a->damping) PetscCall(MpmSymbolWriteCsv(a->symbol, &a->predictor, request->csv));
   if (!request->output[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, scene, request, &file));
   PetscCall(MpmSymbolWrite(a->symbol, &a->predictor, &file));
-  if (a->damping) PetscCall(MpmDampingWrite(a->damping, &file));
+  if (a->damping) PetscCall(WriteDamping(a->damping, &file));
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,5 +1,4 @@
 /* The list of tasks, the steps that all tasks on a scene share, and the usage text. */
-#include <mpmstab/errors.h>
 #include "base/memory.h"
 #include "base/stop.h"
 #include "base/suggest.h"
@@ -9,6 +8,9 @@
 #include "scene/fields.h"
 #include "scene/settings.h"
 #include "task/task.h"
+#include "task/texts.h"
+#include <mpmstab/errors.h>
+#include <math.h>
 #include <string.h>
 #include <strings.h>
 
@@ -122,5 +124,95 @@ PetscErrorCode MpmPrintHelp(const char name[])
   PrintOptions(task->name, PETSC_TRUE);
   MpmPrint("options that all tasks read: the scene and its files; also keys of a scene file\n");
   PrintOptions(task->name, PETSC_FALSE);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints an adapter for the user's code, with five places to fill in. */
+PetscErrorCode MpmTaskAdapter(int argc, char **argv)
+{
+  char        known[128] = "";
+  const char *names[16], *near;
+  PetscInt    n = 0;
+
+  PetscFunctionBegin;
+  for (; MpmAdapterTexts[n].name; n++) {
+    names[n] = MpmAdapterTexts[n].name;
+    if (n) MpmTextJoin(known, MpmAdapterTexts[n + 1].name ? ", " : " or ", sizeof known);
+    MpmTextJoin(known, names[n], sizeof known);
+    if (argc != 1 || strcmp(argv[0], names[n])) continue;
+    MpmPrint("%s", MpmAdapterTexts[n].text);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  near = argc == 1 ? MpmSuggest(argv[0], n, names) : NULL;
+  MpmRefuse("adapter%s%.200s: allowed: one word: %s%s%s%s", argc ? " " : "", argc ? argv[argc > 1] : "", known,
+            near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+}
+
+/*
+   A scene with an expect block is a test: each expectation that is missed is printed, and the program ends with status
+   3.
+*/
+
+static PetscErrorCode Miss(const char what[], const char found[], const char expected[], PetscInt *missed)
+{
+  PetscFunctionBegin;
+  fflush(stdout);
+  PetscCall(PetscFPrintf(PETSC_COMM_WORLD, stderr, "mpmstab: expected %s %s, found %s\n", what, expected, found));
+  (*missed)++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmExpectNumber(const MpmExpect *expect, MpmExpected which, PetscReal value, PetscInt *missed)
+{
+  static const char *const what[MPM_EXPECTED] = {"growth",
+                                                 "growth of the spectrum",
+                                                 "largest l2 error",
+                                                 "final / initial energy",
+                                                 "critical Courant number",
+                                                 "share of unstable layouts"};
+  const PetscReal         *range              = expect->range[which];
+  char                     expected[80], found[40];
+
+  PetscFunctionBegin;
+  if (!expect->has[which] || (value >= range[0] && value <= range[1])) PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(expected, sizeof expected, "in [%.10g, %.10g]", range[0], range[1]);
+  (void)snprintf(found, sizeof found, isnan(value) ? "no value" : "%.10g", value);
+  PetscCall(Miss(what[which], found, expected, missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ExpectVerdict(const MpmExpect *expect, MpmVerdict verdict, PetscInt *missed)
+{
+  PetscFunctionBegin;
+  if (expect->has_verdict && expect->verdict != verdict)
+    PetscCall(Miss("verdict", MpmVerdictNames[verdict], MpmVerdictNames[expect->verdict], missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmExpectRun(const MpmRun *run, PetscInt *missed)
+{
+  const MpmExpect *expect = &run->request->expect;
+  const MpmGrowth *growth = &run->growth;
+  PetscReal        worst  = 0;
+  const char      *name[MPM_MOST_ERRORS];
+
+  PetscFunctionBegin;
+  PetscCall(ExpectVerdict(expect, run->verdict, missed));
+  if (expect->has_kind && (!growth->measured || growth->kind != expect->kind))
+    PetscCall(Miss("growth of kind", growth->measured ? MpmGrowthKindNames[growth->kind] : "none measured",
+                   MpmGrowthKindNames[expect->kind], missed));
+  PetscCall(MpmExpectNumber(expect, MPM_EXPECT_GROWTH, growth->measured ? growth->per_step : NAN, missed));
+  PetscCall(MpmExpectNumber(expect, MPM_EXPECT_ENERGY, run->energy_ratio, missed));
+  for (PetscInt f = 0; run->has_errors && f < MpmSceneErrorFields(run->scene, name); f++)
+    if (!(run->error[f].l2 <= worst)) worst = run->error[f].l2; /* NaN is the worst */
+  PetscCall(MpmExpectNumber(expect, MPM_EXPECT_ERROR, worst, missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmExpectFinding(const MpmExpect *expect, const MpmFinding *finding, PetscInt *missed)
+{
+  PetscFunctionBegin;
+  PetscCall(ExpectVerdict(expect, finding->verdict, missed));
+  PetscCall(MpmExpectNumber(expect, MPM_EXPECT_SPECTRUM, finding->growth, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 /* From the words of the command line to those that were meant. */
+#include "base/textfile.h"
 #include "task/words.h"
-#include "base/file_names.h"
 #include "base/launch.h"
 #include "scene/fields.h"
 #include "task/task.h"

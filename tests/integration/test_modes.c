@@ -4,7 +4,7 @@
 */
 #include "check.h"
 #include "analysis/spectrum.h"
-#include "io/spectrum_files.h"
+#include "task/task.h"
 #include "task/run_files.h"
 
 #define FILE_NAME "test_modes.h5"

@@ -1,12 +1,111 @@
-/* Reads a matrix: the first rank finds out the format, reads and checks the entries, and deals them to all ranks. */
+/* Reads a matrix on the first rank, checks it, and deals it to all ranks; writes one in the format that its name's ending says. */
+#include "base/hdf5.h"
 #include "base/memory.h"
 #include "base/textfile.h"
-#include "base/hdf5.h"
+#include "io/datafile.h"
 #include "io/matrix_file.h"
+#include "linalg/dense.h"
 #include <mpmstab/errors.h>
 #include <errno.h>
 #include <math.h>
 #include <string.h>
+
+PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, MpmEntries *e, char why[MPM_WHY_TEXT])
+{
+  PetscFunctionBegin;
+  if (!(rows >= 1 && columns >= 1))
+    (void)snprintf(why, MPM_WHY_TEXT, "it is empty, %.0f x %.0f; allowed: a square matrix", rows, columns);
+  else if (rows != columns)
+    (void)snprintf(why, MPM_WHY_TEXT, "it is not square, %.0f x %.0f; allowed: a matrix from a state to a state", rows,
+                   columns);
+  else if (rows != rint(rows) || rows > PETSC_MAX_INT / 2 || !(n >= 0 && n <= MPM_MATRIX_ENTRIES))
+    (void)snprintf(why, MPM_WHY_TEXT, "order %.10g with %.10g entries; allowed: up to %d, with up to %.2g", rows, n,
+                   PETSC_MAX_INT / 2, MPM_MATRIX_ENTRIES);
+  if (!why[0]) MpmMemoryRoom((n + rows) * (2 * sizeof(PetscInt) + sizeof(PetscReal)), MPM_WHY_TEXT, why);
+  if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  e->rows    = (PetscInt64)rows;
+  e->columns = (PetscInt64)columns;
+  e->n       = (PetscInt64)n;
+  PetscCall(PetscMalloc3(e->n + e->rows, &e->row, e->n + e->rows, &e->column, e->n + e->rows, &e->value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+void MpmEntriesCheck(const MpmEntries *e, char why[MPM_WHY_TEXT])
+{
+  for (PetscInt64 i = 0; i < e->n && !why[0]; i++) {
+    if (e->row[i] < 0 || e->row[i] >= e->rows || e->column[i] < 0 || e->column[i] >= e->columns)
+      (void)snprintf(why, MPM_WHY_TEXT,
+                     "entry %" PetscInt64_FMT " is in row %" PetscInt_FMT " and column %" PetscInt_FMT
+                     "; allowed: from 0 to %" PetscInt64_FMT ", counted from 0",
+                     i + 1, e->row[i], e->column[i], e->rows - 1);
+    else if (!isfinite(e->value[i]))
+      (void)snprintf(why, MPM_WHY_TEXT,
+                     "row %" PetscInt_FMT ", column %" PetscInt_FMT ", counted from 0, is %s; allowed: finite "
+                     "numbers",
+                     e->row[i], e->column[i], isnan(e->value[i]) ? "nan" : "infinite");
+  }
+}
+
+void MpmEntriesToScales(MpmEntries *e)
+{
+  const MpmHooked *h     = &e->hooked;
+  const PetscInt   width = (PetscInt)h->scales;
+
+  if (width < 1 || width > MPM_HOOKED_NUMBERS || h->numbers != (PetscReal)width || e->rows % width) return;
+  for (PetscInt64 k = 0; k < e->n; k++) e->value[k] *= h->scale[e->column[k] % width] / h->scale[e->row[k] % width];
+}
+
+PetscErrorCode MpmEntriesFree(MpmEntries *e)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree3(e->row, e->column, e->value));
+  PetscCall(MpmHookedFree(&e->hooked));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode MatrixOf(MPI_Comm comm, MpmEntries *e, Mat *A)
+{
+  PetscInt order = (PetscInt)e->rows;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Bcast(&order, 1, MPIU_INT, 0, comm));
+  for (PetscInt i = 0; i < order && MpmRankOf(comm) == 0; i++) {
+    e->row[e->n] = e->column[e->n] = i;
+    e->value[e->n++]               = 0;
+  }
+  PetscCall(MatCreate(comm, A));
+  PetscCall(MatSetSizes(*A, PETSC_DECIDE, PETSC_DECIDE, order, order));
+  PetscCall(MatSetType(*A, MATMPIAIJ));
+  PetscCall(MatSetPreallocationCOO(*A, e->n, e->row, e->column));
+  PetscCall(MatSetValuesCOO(*A, e->value, INSERT_VALUES));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Gather(Mat A, PetscInt exponent, MpmCsr *c)
+{
+  const PetscMPIInt rank = MpmRankOf(PetscObjectComm((PetscObject)A));
+  PetscInt          rows;
+  PetscBool         done;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetSize(A, &c->order, NULL));
+  PetscCall(MpmDenseWhole(A, rank ? PETSC_FALSE : PETSC_TRUE, &c->whole));
+  PetscCall(MatGetRowIJ(*c->whole, 0, PETSC_FALSE, PETSC_FALSE, &rows, &c->begin, &c->column, &done));
+  PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "a matrix without rows");
+  PetscCall(MatSeqAIJGetArray(*c->whole, &c->value));
+  for (PetscInt k = 0; k < c->begin[rows]; k++) c->value[k] = scalbn(c->value[k], (int)exponent);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FreeRows(MpmCsr *c)
+{
+  PetscFunctionBegin;
+  PetscCall(MatSeqAIJRestoreArray(*c->whole, &c->value));
+  PetscCall(MatDestroySubMatrices(1, &c->whole));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Reads a matrix: the first rank finds out the format, reads and checks the entries, and deals them to all ranks. */
 
 /* What the spectrum of a sparse matrix was measured to take at least; LAPACK, up to order 4096, takes 0.3 GB more. */
 #define UNKNOWN_BYTES 500
@@ -109,7 +208,7 @@ static PetscErrorCode FromArrays(const MpmArrays *arrays, MpmEntries *e, char wh
 
 /* ---- any format ---- */
 
-typedef enum { FORMAT_NONE, FORMAT_TEXT, FORMAT_PETSC, FORMAT_NPZ, FORMAT_HDF5 } Format;
+typedef enum { FORMAT_NONE, FORMAT_TEXT, FORMAT_PETSC, FORMAT_ARRAYS } Format;
 
 static PetscErrorCode FindFormat(const char path[], FILE *stream, Format *format)
 {
@@ -122,9 +221,9 @@ static PetscErrorCode FindFormat(const char path[], FILE *stream, Format *format
   PetscFunctionBegin;
   rewind(stream);
   PetscCall(MpmHdf5Is(path, &hdf5));
-  *format = hdf5 ? FORMAT_HDF5 : FORMAT_NONE;
+  *format = hdf5 ? FORMAT_ARRAYS : FORMAT_NONE;
   if (n >= 2 && begin[0] == '%' && begin[1] == '%') *format = FORMAT_TEXT;
-  if (n >= 4 && !memcmp(begin, "PK", 2)) *format = FORMAT_NPZ;
+  if (n >= 4 && !memcmp(begin, "PK", 2)) *format = FORMAT_ARRAYS;
   if (n == sizeof begin && (!memcmp(begin, wide + 4, 4) || !memcmp(begin, wide, sizeof wide))) *format = FORMAT_PETSC;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -140,10 +239,9 @@ static PetscErrorCode ReadFormat(const char path[], FILE *stream, MpmEntries *e,
   PetscCall(FindFormat(path, stream, &format));
   if (format == FORMAT_TEXT) PetscCall(MpmMatrixReadText(stream, e, why));
   if (format == FORMAT_PETSC) PetscCall(MpmMatrixReadPetsc(stream, e, why));
-  if (format == FORMAT_NPZ) PetscCall(MpmArraysReadNpz(path, names, &arrays, why));
-  if (format == FORMAT_HDF5) PetscCall(MpmArraysReadHdf5(path, names, &arrays, why));
+  if (format == FORMAT_ARRAYS) PetscCall(MpmArraysRead(path, names, &arrays, why));
   if (format == FORMAT_NONE) (void)snprintf(why, MPM_WHY_TEXT, "its format is not known; %s", formats);
-  if ((format == FORMAT_NPZ || format == FORMAT_HDF5) && !why[0]) PetscCall(FromArrays(&arrays, e, why));
+  if (format == FORMAT_ARRAYS && !why[0]) PetscCall(FromArrays(&arrays, e, why));
   PetscCall(MpmArraysFree(&arrays));
   if (!why[0]) MpmEntriesCheck(e, why);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -206,7 +304,99 @@ PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal toleran
   PetscCall(MpmHookedCertificates(comm, &entries.hooked, tolerance, certificates));
   if (!*steps) *steps = said ? (PetscInt)said : 1;
   if (rank == 0) MpmEntriesToScales(&entries);
-  PetscCall(MpmMatrixOfEntries(comm, &entries, A));
+  PetscCall(MatrixOf(comm, &entries, A));
   PetscCall(MpmEntriesFree(&entries));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes a matrix in the format that the ending of the file's name says. */
+
+#define LARGEST_NPZ 4e9 /* bytes of a zip archive without extensions */
+
+static PetscErrorCode WriteHdf5(const char path[], const MpmCsr *c, PetscInt steps)
+{
+  const PetscMPIInt rank     = MpmRankOf(PETSC_COMM_WORLD);
+  const PetscInt    n        = rank ? 0 : c->begin[c->order];
+  PetscInt64        shape[2] = {c->order, c->order};
+  MpmDataFile       file;
+  hid_t             whole;
+
+  PetscFunctionBegin;
+  PetscCall(MpmDataFileCreate(PETSC_COMM_WORLD, path, &file)); /* first, as it prepares HDF5 */
+  whole = sizeof(PetscInt) == sizeof(int32_t) ? H5T_NATIVE_INT32 : H5T_NATIVE_INT64;
+  PetscCall(MpmHdf5Write(&file.hdf5, "/data", H5T_NATIVE_DOUBLE, n, 1, c->value));
+  PetscCall(MpmHdf5Write(&file.hdf5, "/indices", whole, n, 1, c->column));
+  PetscCall(MpmHdf5Write(&file.hdf5, "/indptr", whole, rank ? 0 : c->order + 1, 1, c->begin));
+  PetscCall(MpmHdf5Write(&file.hdf5, "/shape", H5T_NATIVE_INT64, rank ? 0 : 2, 1, shape));
+  MpmHdf5WriteText(&file.hdf5, "/", "format", "csr");
+  MpmHdf5WriteInteger(&file.hdf5, "/", "steps", steps);
+  PetscCall(MpmDataFileClose(&file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteNpz(const MpmCsr *c, PetscInt steps, FILE *stream)
+{
+  static const char *const whole[] = {"indices", "indptr", "shape", "steps", NULL};
+  const PetscInt           n       = c->begin[c->order];
+  MpmArrays                arrays  = {.n = 0};
+  MpmArray                *a;
+
+  PetscFunctionBegin;
+  PetscCall(MpmArraysAdd(&arrays, "indices", 1, (const PetscInt64[]){n}, &a));
+  for (PetscInt k = 0; k < n; k++) a->real[k] = c->column[k];
+  PetscCall(MpmArraysAdd(&arrays, "indptr", 1, (const PetscInt64[]){c->order + 1}, &a));
+  for (PetscInt i = 0; i <= c->order; i++) a->real[i] = c->begin[i];
+  PetscCall(MpmArraysAdd(&arrays, "format", -1, NULL, &a));
+  (void)snprintf(a->text, sizeof a->text, "%s", "csr");
+  PetscCall(MpmArraysAdd(&arrays, "shape", 1, (const PetscInt64[]){2}, &a));
+  a->real[0] = a->real[1] = c->order;
+  PetscCall(MpmArraysAdd(&arrays, "data", 1, (const PetscInt64[]){n}, &a));
+  PetscCall(PetscArraycpy(a->real, c->value, n));
+  PetscCall(MpmArraysAdd(&arrays, "steps", 0, NULL, &a));
+  a->real[0] = steps;
+  PetscCall(MpmArraysWriteNpz(&arrays, whole, stream));
+  PetscCall(MpmArraysFree(&arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses what the format cannot hold. */
+static PetscErrorCode Check(const char path[], const MpmCsr *c)
+{
+  int bad = 0;
+
+  PetscFunctionBegin;
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) {
+    for (PetscInt k = 0; k < c->begin[c->order] && !bad; k++) bad = !isfinite(c->value[k]);
+    if (MpmFileHasEnding(path, ".npz") && 16.0 * c->begin[c->order] + 8.0 * c->order > LARGEST_NPZ) bad = 2;
+  }
+  PetscCallMPI(MPI_Bcast(&bad, 1, MPI_INT, 0, PETSC_COMM_WORLD));
+  MpmCheckInput(bad != 1,
+                "-write_matrix %s: the operator's numbers leave the range of doubles; allowed: finite numbers", path);
+  MpmCheckInput(bad != 2, "-write_matrix %s: larger than 4 GB; allowed: .mtx, .h5, .hdf5 or .petsc for it", path);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMatrixWrite(const char path[], Mat A, PetscInt exponent, PetscInt steps, PetscBool *kept)
+{
+  MpmCsr      csr;
+  MpmTextFile file;
+
+  PetscFunctionBegin;
+  *kept = MpmFileHasEnding(path, ".petsc") && steps > 1 ? PETSC_FALSE : PETSC_TRUE;
+  PetscCall(Gather(A, exponent, &csr));
+  PetscCall(Check(path, &csr));
+  if (MpmFileHasEnding(path, ".h5 .hdf5"))
+    PetscCall(WriteHdf5(path, &csr, steps));
+  else {
+    PetscCall(MpmTextFileOpen(path, &file));
+    if (file.stream && MpmFileHasEnding(path, ".npz"))
+      PetscCall(WriteNpz(&csr, steps, file.stream));
+    else if (file.stream && MpmFileHasEnding(path, ".mtx"))
+      MpmMatrixWriteText(&csr, steps, file.stream);
+    else if (file.stream)
+      MpmMatrixWritePetsc(&csr, file.stream);
+    PetscCall(MpmTextFileClose(&file));
+  }
+  PetscCall(FreeRows(&csr));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
