@@ -92,11 +92,6 @@ static const char *Explain(PetscErrorCode code, const char function[], const cha
    An error may be that of one rank or of all ranks. The first rank prints at once and ends the others; they wait for
    that, so that the line appears once.
 */
-static void WaitForFirst(void)
-{
-  if (MpmRankOf(PETSC_COMM_WORLD)) (void)sleep(1);
-}
-
 static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *function, const char *file,
                                      PetscErrorCode code, PetscErrorType kind, const char *message, void *context)
 {
@@ -110,22 +105,10 @@ static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *functi
     said = Explain(code, function ? function : "", message, &why);
   if (!said) return PetscTraceBackErrorHandler(comm, line, function, file, code, kind, message, context);
   if (code != PETSC_ERR_USER_INPUT) explained = code;
-  if (code == explained) WaitForFirst();
+  if (code == explained && MpmRankOf(PETSC_COMM_WORLD)) (void)sleep(1);
   if (MpmRankOf(comm) == 0) PrintLine(said);
   MpmTextFree(&why);
   return code;
-}
-
-static int StatusOf(PetscErrorCode error)
-{
-  return error == PETSC_ERR_USER_INPUT || error == explained ? MPM_EXIT_REFUSED : MPM_EXIT_FAILED;
-}
-
-static void EndAll(int status)
-{
-  fflush(NULL);
-  if (MpmRanksOf(PETSC_COMM_WORLD) == 1) _exit(status); /* MPI_Abort would print a message of its own */
-  MPI_Abort(PETSC_COMM_WORLD, status);
 }
 
 static PetscErrorCode OutsideHandler(MPI_Comm comm, int line, const char *function, const char *file,
@@ -142,11 +125,6 @@ static PetscErrorCode OutsideHandler(MPI_Comm comm, int line, const char *functi
   (void)snprintf(why, sizeof why, "PETSc refuses one of its options: %s", message);
   if (rank == 0) PrintLine(why);
   return code;
-}
-
-static PetscErrorCode ReportOutside(void)
-{
-  return PetscPushErrorHandler(OutsideHandler, NULL);
 }
 
 PetscErrorCode MpmErrorsInstall(void)
@@ -204,7 +182,7 @@ static PetscBool ReportLost(void)
   return PETSC_TRUE;
 }
 
-/* Starts and ends MPI, PETSc and SLEPc for a program that uses this library. */
+/* ---- start and end ---- */
 
 PetscErrorCode MpmInitialize(int *argc, char ***argv)
 {
@@ -212,7 +190,7 @@ PetscErrorCode MpmInitialize(int *argc, char ***argv)
 
   MpmLaunchAlone();
   if (!MpmLaunchMemory()) return PETSC_ERR_MEM;
-  ierr = ReportOutside();
+  ierr = PetscPushErrorHandler(OutsideHandler, NULL); /* this library does nothing while PETSc starts and ends */
   if (!ierr) ierr = SlepcInitialize(argc, argv, NULL, NULL);
   return ierr ? ierr : MpmErrorsInstall();
 }
@@ -222,9 +200,13 @@ int MpmFinalize(PetscErrorCode error, int status)
   if (error) {
     MpmUnfinishedRemove();
     MpmTextFileAbandon();
-    status = StatusOf(error);
+    status = error == PETSC_ERR_USER_INPUT || error == explained ? MPM_EXIT_REFUSED : MPM_EXIT_FAILED;
   }
-  if (error && error != PETSC_ERR_USER_INPUT) EndAll(status); /* the other ranks may be waiting */
+  if (error && error != PETSC_ERR_USER_INPUT) { /* the other ranks may be waiting */
+    fflush(NULL);
+    if (MpmRanksOf(PETSC_COMM_WORLD) == 1) _exit(status); /* MPI_Abort would print a message of its own */
+    MPI_Abort(PETSC_COMM_WORLD, status);
+  }
   (void)PetscPopErrorHandler();
   if (ReportLost()) status = MPM_EXIT_FAILED;
   return SlepcFinalize() ? MPM_EXIT_REFUSED : status;

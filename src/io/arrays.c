@@ -84,15 +84,14 @@ static PetscErrorCode ReadNamed(MpmHdf5 *file, const char group[], const char na
   int         dims;
   PetscInt64  shape[MPM_ARRAY_DIMS] = {0};
   PetscReal   number, bytes = sizeof(PetscReal);
-  MpmArray   *a;
+  MpmArray   *a = NULL;
 
   PetscFunctionBegin;
   (void)snprintf(path, sizeof path, "%s/%s", group, name);
   if (MpmHdf5Has(file, path)) {
     if (!MpmHdf5Array(file, path, MPM_ARRAY_DIMS, &dims, shape)) {
-      (void)snprintf(why, MPM_WHY_TEXT,
-                     "array %s; allowed: whole or real numbers in up to %d dimensions, in a whole file", name,
-                     MPM_ARRAY_DIMS);
+      MpmWhy(why, "array %s; allowed: whole or real numbers in up to %d dimensions, in a whole file", name,
+             MPM_ARRAY_DIMS);
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     for (int d = 0; d < dims; d++) bytes *= (PetscReal)shape[d];
@@ -133,7 +132,7 @@ static PetscErrorCode ReadHdf5(const char path[], const char *const names[], Mpm
     for (int k = 0; names[k] && !why[0]; k++) PetscCall(ReadNamed(&file, group, names[k], arrays, why));
   }
   PetscCall(MpmHdf5Close(&file, &failed));
-  if (failed && !why[0]) (void)snprintf(why, MPM_WHY_TEXT, "%s", "HDF5 cannot read it; allowed: a whole file");
+  if (failed && !why[0]) MpmWhy(why, "HDF5 cannot read it; allowed: a whole file");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -269,10 +268,10 @@ static PetscErrorCode ParseNpy(const char name[], const unsigned char *bytes, si
   PetscInt64   shape[MPM_ARRAY_DIMS] = {0};
   PetscReal    n                     = 1;
   const char  *order;
-  MpmArray    *a;
+  MpmArray    *a = NULL;
 
   PetscFunctionBegin;
-  (void)snprintf(why, MPM_WHY_TEXT, "array %s is not one of numpy's; allowed: what numpy.savez writes", name);
+  MpmWhy(why, "array %s is not one of numpy's; allowed: what numpy.savez writes", name);
   if (size < prefix || memcmp(bytes, MAGIC, MAGIC_SIZE)) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = prefix; i > 8; i--) length = length << 8 | bytes[i - 1];
   if (length >= sizeof header || length > size - prefix) PetscFunctionReturn(PETSC_SUCCESS);
@@ -282,8 +281,7 @@ static PetscErrorCode ParseNpy(const char name[], const unsigned char *bytes, si
   size -= prefix + length;
   order = After(header, "'fortran_order'");
   if (!ParseType(After(header, "'descr'"), &type) || !order || !ParseShape(After(header, "'shape'"), &dims, shape)) {
-    (void)snprintf(why, MPM_WHY_TEXT, "array %s: its type or shape; allowed: %s, in up to %d dimensions", name, NUMBERS,
-                   MPM_ARRAY_DIMS);
+    MpmWhy(why, "array %s: its type or shape; allowed: %s, in up to %d dimensions", name, NUMBERS, MPM_ARRAY_DIMS);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (type.kind == 'S' || type.kind == 'U') {
@@ -293,11 +291,10 @@ static PetscErrorCode ParseNpy(const char name[], const unsigned char *bytes, si
     why[0] = '\0';
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  (void)snprintf(why, MPM_WHY_TEXT, "array %s has %s; allowed: %s", name,
-                 type.kind == 'c' ? "complex numbers" : "no numbers", NUMBERS);
+  MpmWhy(why, "array %s has %s; allowed: %s", name, type.kind == 'c' ? "complex numbers" : "no numbers", NUMBERS);
   if (!strchr("fiub", type.kind) || !IsNumber(&type)) PetscFunctionReturn(PETSC_SUCCESS);
   for (int d = 0; d < dims; d++) n *= (PetscReal)shape[d];
-  (void)snprintf(why, MPM_WHY_TEXT, "array %s is shorter than its shape says; allowed: a whole file", name);
+  MpmWhy(why, "array %s is shorter than its shape says; allowed: a whole file", name);
   if (n * (PetscReal)type.width > (PetscReal)size) PetscFunctionReturn(PETSC_SUCCESS);
   why[0] = '\0';
   MpmMemoryRoom(sizeof(PetscReal) * n, MPM_WHY_TEXT, why);
@@ -348,8 +345,7 @@ static PetscErrorCode ReadMembers(zip_t *archive, const char *const names[], Mpm
     PetscCall(ParseNpy(names[k], bytes, (size_t)member.size, arrays, why));
     PetscCall(PetscFree(bytes));
   }
-  if (wrong)
-    (void)snprintf(why, MPM_WHY_TEXT, "%s%s", wrong, strstr(wrong, "allowed") ? "" : "; allowed: a whole .npz");
+  if (wrong) MpmWhy(why, "%s%s", wrong, strstr(wrong, "allowed") ? "" : "; allowed: a whole .npz");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -364,7 +360,7 @@ static PetscErrorCode ReadNpz(const char path[], const char *const names[], MpmA
   *arrays = (MpmArrays){.n = 0};
   why[0]  = '\0';
   if (!stream) {
-    (void)snprintf(why, MPM_WHY_TEXT, "%s", "it cannot be opened; allowed: a file that can be read");
+    MpmWhy(why, "it cannot be opened; allowed: a file that can be read");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCheck(source, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for an archive");
@@ -374,7 +370,7 @@ static PetscErrorCode ReadNpz(const char path[], const char *const names[], MpmA
     zip_discard(archive); /* which closes the stream */
   } else {
     zip_source_free(source);
-    (void)snprintf(why, MPM_WHY_TEXT, "%s", "it is cut off, or no zip archive; allowed: a whole .npz");
+    MpmWhy(why, "it is cut off, or no zip archive; allowed: a whole .npz");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -13,6 +13,9 @@
 #define MPM_MOST_ARRAYS 12
 #define MPM_WHY_TEXT 256
 
+/* Sets why to what a format of printf and its arguments say. */
+#define MpmWhy(why, ...) (void)snprintf(why, MPM_WHY_TEXT, __VA_ARGS__)
+
 /*S
    MpmArray - one array: numbers or a text.
 

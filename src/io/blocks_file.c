@@ -1,7 +1,6 @@
 /* Reads and writes the blocks of a lattice as named arrays, and takes them out of the matrix of a whole grid. */
 #include "base/textfile.h"
 #include "io/arrays.h"
-#include "io/blocks_file.h"
 #include "io/datafile.h"
 #include "io/matrix_file.h"
 #include "probe/lattice.h"
@@ -10,6 +9,15 @@
 #include <errno.h>
 #include <math.h>
 #include <string.h>
+
+/*
+   Blocks of a matrix whose particles have known places. Particle i is in cell c(i), at site j(i) of it. The block A_d has the
+   entries from the particles of the middle cell m to those of the cell m + d:
+
+     A_d[j(i), j(k)] = A[i, k]   with c(k) = m, c(i) = m + d
+
+   Cells are alike when every cell c has the same entries from c to c + d.
+*/
 
 #define NEAR 1e-4        /* of a cell width: places that are alike */
 #define FELT 1e-9        /* an entry above this is none of rounding, over the largest */
@@ -32,23 +40,22 @@ static void CheckSaid(const MpmEntries *e, char why[MPM_WHY_TEXT])
   const MpmHooked *h = &e->hooked;
 
   if (!h->places || h->dim < 1 || !(h->cell_width > 0))
-    (void)snprintf(why, MPM_WHY_TEXT, "%s",
-                   "it does not say where its particles are; allowed: a matrix that the hook has written, with "
-                   "a place, or blocks in HDF5 or .npz");
+    MpmWhy(why, "it does not say where its particles are; allowed: a matrix that the hook has written, with "
+                "a place, or blocks in HDF5 or .npz");
   else if (!(h->numbers >= 1) || h->numbers * (PetscReal)h->places != (PetscReal)e->rows)
-    (void)snprintf(why, MPM_WHY_TEXT,
-                   "%" PetscInt64_FMT " particles with %.6g numbers, and order %" PetscInt64_FMT
-                   "; allowed: as many unknowns as its particles have numbers",
-                   h->places, h->numbers, e->rows);
+    MpmWhy(why,
+           "%" PetscInt64_FMT " particles with %.6g numbers, and order %" PetscInt64_FMT
+           "; allowed: as many unknowns as its particles have numbers",
+           h->places, h->numbers, e->rows);
   else if (h->place_dim != h->dim || (h->scales && (PetscReal)h->scales != h->numbers) ||
            h->scales > MPM_HOOKED_NUMBERS)
-    (void)snprintf(why, MPM_WHY_TEXT,
-                   "places of %" PetscInt_FMT " numbers, a period of %" PetscInt_FMT " and %" PetscInt64_FMT
-                   " scales of %.6g numbers; allowed: as many of each as belong together",
-                   h->place_dim, h->dim, h->scales, h->numbers);
+    MpmWhy(why,
+           "places of %" PetscInt_FMT " numbers, a period of %" PetscInt_FMT " and %" PetscInt64_FMT
+           " scales of %.6g numbers; allowed: as many of each as belong together",
+           h->place_dim, h->dim, h->scales, h->numbers);
   else if (e->steps > MPM_MATRIX_MOST_STEPS)
-    (void)snprintf(why, MPM_WHY_TEXT, "it says that it covers %" PetscInt64_FMT " steps; allowed: from 1 to %d",
-                   e->steps, MPM_MATRIX_MOST_STEPS);
+    MpmWhy(why, "it says that it covers %" PetscInt64_FMT " steps; allowed: from 1 to %d", e->steps,
+           MPM_MATRIX_MOST_STEPS);
 }
 
 /* Without a period cells begin at the first particle. */
@@ -70,8 +77,7 @@ static PetscErrorCode FindCells(Felt *l, char why[MPM_WHY_TEXT])
   places.at = at;
   PetscCall(MpmProbeLatticeFind(&places, &l->cells, MPM_WHY_TEXT, why));
   for (PetscInt a = 0; a < h->dim; a++)
-    if (h->period[a] > 0 && !l->cells.wraps[a])
-      (void)snprintf(why, MPM_WHY_TEXT, "%s", "some cells have none of the particles");
+    if (h->period[a] > 0 && !l->cells.wraps[a]) MpmWhy(why, "some cells have none of the particles");
   PetscCall(PetscFree(at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -169,14 +175,13 @@ static PetscErrorCode Take(Felt *l, const MpmEntries *e, MpmBlocks *b, char why[
   size_t          n = (size_t)order * (size_t)order;
 
   PetscFunctionBegin;
-  if (!FindReach(l, e, &largest))
-    (void)snprintf(why, MPM_WHY_TEXT, "%s", "a step reaches so far that the grid has no cell away from its edges");
+  if (!FindReach(l, e, &largest)) MpmWhy(why, "a step reaches so far that the grid has no cell away from its edges");
   *b = (MpmBlocks){
       .dim = l->said->dim, .size = order, .n = 1, .period = (PetscInt)e->steps, .cell_width = l->said->cell_width};
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) b->n *= 2 * l->reach[a] + 1;
   n *= (size_t)b->n;
   if (!why[0] && (order > MPM_BLOCKS_SIZE || (PetscReal)n > MPM_BLOCKS_NUMBERS))
-    (void)snprintf(why, MPM_WHY_TEXT, "blocks of order %" PetscInt_FMT "; allowed: up to %d", order, MPM_BLOCKS_SIZE);
+    MpmWhy(why, "blocks of order %" PetscInt_FMT "; allowed: up to %d", order, MPM_BLOCKS_SIZE);
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmBlocksAllocate(b));
   PetscCall(PetscArrayzero(b->A, n));
@@ -192,8 +197,7 @@ static PetscErrorCode Take(Felt *l, const MpmEntries *e, MpmBlocks *b, char why[
   }
   differ = Differ(l, e, b->A, n);
   if (!(differ <= alike * largest)) {
-    (void)snprintf(why, MPM_WHY_TEXT, "its cells differ by %.2g of their largest entry; allowed: up to %.2g",
-                   differ / largest, alike);
+    MpmWhy(why, "its cells differ by %.2g of their largest entry; allowed: up to %.2g", differ / largest, alike);
     PetscCall(MpmBlocksFree(b));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -214,36 +218,35 @@ static PetscErrorCode OfMatrix(MpmEntries *e, MpmBlocks *b, char why[MPM_WHY_TEX
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads and writes the blocks of a lattice as named arrays. */
+/* ---- files ---- */
 
 #define FARTHEST 1e6 /* cells that a block may reach */
 
 static void CheckShapes(const MpmArray *d, const MpmArray *A, char why[MPM_WHY_TEXT])
 {
   if (!d || !A || A->dims != 3 || d->dims < 1 || d->dims > 2 || d->shape[0] != A->shape[0])
-    (void)snprintf(why, MPM_WHY_TEXT, "%s",
-                   "it has no blocks; allowed: arrays d (blocks x directions) and A (blocks x N x N)");
+    MpmWhy(why, "it has no blocks; allowed: arrays d (blocks x directions) and A (blocks x N x N)");
   else if (A->shape[1] != A->shape[2] || A->n == 0)
-    (void)snprintf(why, MPM_WHY_TEXT,
-                   "its blocks are %" PetscInt64_FMT " of %" PetscInt64_FMT " x %" PetscInt64_FMT
-                   "; allowed: at least one, and square",
-                   A->shape[0], A->shape[1], A->shape[2]);
+    MpmWhy(why,
+           "its blocks are %" PetscInt64_FMT " of %" PetscInt64_FMT " x %" PetscInt64_FMT
+           "; allowed: at least one, and square",
+           A->shape[0], A->shape[1], A->shape[2]);
   else if (A->shape[1] > MPM_BLOCKS_SIZE || A->n > MPM_BLOCKS_NUMBERS)
-    (void)snprintf(why, MPM_WHY_TEXT,
-                   "blocks of order %" PetscInt64_FMT ", %.3g numbers; allowed: up to order %d, and up to %.2g "
-                   "numbers",
-                   A->shape[1], (PetscReal)A->n, MPM_BLOCKS_SIZE, MPM_BLOCKS_NUMBERS);
+    MpmWhy(why,
+           "blocks of order %" PetscInt64_FMT ", %.3g numbers; allowed: up to order %d, and up to %.2g "
+           "numbers",
+           A->shape[1], (PetscReal)A->n, MPM_BLOCKS_SIZE, MPM_BLOCKS_NUMBERS);
   else if (d->dims == 2 && (d->shape[1] < 1 || d->shape[1] > MPM_MAX_DIM))
-    (void)snprintf(why, MPM_WHY_TEXT, "%" PetscInt64_FMT " directions; allowed: 1 to %d", d->shape[1], MPM_MAX_DIM);
+    MpmWhy(why, "%" PetscInt64_FMT " directions; allowed: 1 to %d", d->shape[1], MPM_MAX_DIM);
   else if (!MpmArrayIsWhole(d, -FARTHEST))
-    (void)snprintf(why, MPM_WHY_TEXT, "array d; allowed: whole numbers of cells from -%g to %g", FARTHEST, FARTHEST);
+    MpmWhy(why, "array d; allowed: whole numbers of cells from -%g to %g", FARTHEST, FARTHEST);
   for (PetscInt64 i = 0; !why[0] && i < d->n; i++)
     if (d->real[i] > FARTHEST)
-      (void)snprintf(why, MPM_WHY_TEXT, "array d; allowed: whole numbers of cells from -%g to %g", FARTHEST, FARTHEST);
+      MpmWhy(why, "array d; allowed: whole numbers of cells from -%g to %g", FARTHEST, FARTHEST);
   for (PetscInt64 i = 0; !why[0] && i < A->n; i++)
     if (!isfinite(A->real[i]))
-      (void)snprintf(why, MPM_WHY_TEXT, "array A: number %" PetscInt64_FMT " is %s; allowed: finite numbers", i + 1,
-                     isnan(A->real[i]) ? "nan" : "infinite");
+      MpmWhy(why, "array A: number %" PetscInt64_FMT " is %s; allowed: finite numbers", i + 1,
+             isnan(A->real[i]) ? "nan" : "infinite");
 }
 
 /* Takes blocks out of arrays. steps: 0 where the file does not say. */
@@ -255,9 +258,9 @@ static PetscErrorCode FromArrays(const MpmArrays *arrays, MpmBlocks *b, char why
   PetscFunctionBegin;
   CheckShapes(d, A, why);
   if (!why[0] && steps && (steps->n != 1 || !MpmArrayIsWhole(steps, 1) || steps->real[0] > MPM_MATRIX_MOST_STEPS))
-    (void)snprintf(why, MPM_WHY_TEXT, "steps; allowed: one whole number from 1 to %d", MPM_MATRIX_MOST_STEPS);
+    MpmWhy(why, "steps; allowed: one whole number from 1 to %d", MPM_MATRIX_MOST_STEPS);
   if (!why[0] && width && (width->n != 1 || !(width->real[0] > 0) || isinf(width->real[0])))
-    (void)snprintf(why, MPM_WHY_TEXT, "%s", "cell_width; allowed: one number greater than 0");
+    MpmWhy(why, "cell_width; allowed: one number greater than 0");
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   *b = (MpmBlocks){.dim        = d->dims == 1 ? 1 : (PetscInt)d->shape[1],
                    .size       = (PetscInt)A->shape[1],
@@ -300,18 +303,16 @@ static PetscErrorCode ReadFile(const char path[], MpmHooked *hooked, MpmBlocks *
   PetscFunctionBegin;
   if (stream) PetscCall(MpmHdf5Is(path, &hdf5));
   if (!stream || fread(begin, 1, sizeof begin, stream) != sizeof begin)
-    (void)snprintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read",
-                   !stream          ? MpmFileReason(error)
-                   : ferror(stream) ? strerror(errno)
-                                    : "it is empty");
+    MpmWhy(why, "%s; allowed: a file that can be read",
+           !stream          ? MpmFileReason(error)
+           : ferror(stream) ? strerror(errno)
+                            : "it is empty");
   else if (hdf5 || !memcmp(begin, "PK", sizeof begin))
     PetscCall(MpmArraysRead(path, names, &arrays, why));
   else if (!memcmp(begin, "%%", sizeof begin))
     PetscCall(FromMatrix(stream, hooked, b, why));
   else
-    (void)snprintf(
-        why, MPM_WHY_TEXT, "%s",
-        "its format is not known; allowed: HDF5, .npz of numpy.savez, or a matrix that the hook has written");
+    MpmWhy(why, "its format is not known; allowed: HDF5, .npz of numpy.savez, or a matrix that the hook has written");
   if (!why[0] && !b->n) PetscCall(FromArrays(&arrays, b, why));
   PetscCall(MpmArraysFree(&arrays));
   if (stream) (void)fclose(stream);

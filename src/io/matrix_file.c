@@ -10,17 +10,18 @@
 #include <math.h>
 #include <string.h>
 
+/* A sparse matrix on its way between the first rank, which has the file, and all ranks. */
+
 PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, MpmEntries *e, char why[MPM_WHY_TEXT])
 {
   PetscFunctionBegin;
   if (!(rows >= 1 && columns >= 1))
-    (void)snprintf(why, MPM_WHY_TEXT, "it is empty, %.0f x %.0f; allowed: a square matrix", rows, columns);
+    MpmWhy(why, "it is empty, %.0f x %.0f; allowed: a square matrix", rows, columns);
   else if (rows != columns)
-    (void)snprintf(why, MPM_WHY_TEXT, "it is not square, %.0f x %.0f; allowed: a matrix from a state to a state", rows,
-                   columns);
+    MpmWhy(why, "it is not square, %.0f x %.0f; allowed: a matrix from a state to a state", rows, columns);
   else if (rows != rint(rows) || rows > PETSC_MAX_INT / 2 || !(n >= 0 && n <= MPM_MATRIX_ENTRIES))
-    (void)snprintf(why, MPM_WHY_TEXT, "order %.10g with %.10g entries; allowed: up to %d, with up to %.2g", rows, n,
-                   PETSC_MAX_INT / 2, MPM_MATRIX_ENTRIES);
+    MpmWhy(why, "order %.10g with %.10g entries; allowed: up to %d, with up to %.2g", rows, n, PETSC_MAX_INT / 2,
+           MPM_MATRIX_ENTRIES);
   if (!why[0]) MpmMemoryRoom((n + rows) * (2 * sizeof(PetscInt) + sizeof(PetscReal)), MPM_WHY_TEXT, why);
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   e->rows    = (PetscInt64)rows;
@@ -34,15 +35,15 @@ void MpmEntriesCheck(const MpmEntries *e, char why[MPM_WHY_TEXT])
 {
   for (PetscInt64 i = 0; i < e->n && !why[0]; i++) {
     if (e->row[i] < 0 || e->row[i] >= e->rows || e->column[i] < 0 || e->column[i] >= e->columns)
-      (void)snprintf(why, MPM_WHY_TEXT,
-                     "entry %" PetscInt64_FMT " is in row %" PetscInt_FMT " and column %" PetscInt_FMT
-                     "; allowed: from 0 to %" PetscInt64_FMT ", counted from 0",
-                     i + 1, e->row[i], e->column[i], e->rows - 1);
+      MpmWhy(why,
+             "entry %" PetscInt64_FMT " is in row %" PetscInt_FMT " and column %" PetscInt_FMT
+             "; allowed: from 0 to %" PetscInt64_FMT ", counted from 0",
+             i + 1, e->row[i], e->column[i], e->rows - 1);
     else if (!isfinite(e->value[i]))
-      (void)snprintf(why, MPM_WHY_TEXT,
-                     "row %" PetscInt_FMT ", column %" PetscInt_FMT ", counted from 0, is %s; allowed: finite "
-                     "numbers",
-                     e->row[i], e->column[i], isnan(e->value[i]) ? "nan" : "infinite");
+      MpmWhy(why,
+             "row %" PetscInt_FMT ", column %" PetscInt_FMT ", counted from 0, is %s; allowed: finite "
+             "numbers",
+             e->row[i], e->column[i], isnan(e->value[i]) ? "nan" : "infinite");
   }
 }
 
@@ -97,15 +98,7 @@ static PetscErrorCode Gather(Mat A, PetscInt exponent, MpmCsr *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode FreeRows(MpmCsr *c)
-{
-  PetscFunctionBegin;
-  PetscCall(MatSeqAIJRestoreArray(*c->whole, &c->value));
-  PetscCall(MatDestroySubMatrices(1, &c->whole));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Reads a matrix: the first rank finds out the format, reads and checks the entries, and deals them to all ranks. */
+/* ---- reading ---- */
 
 /* What the spectrum of a sparse matrix was measured to take at least; LAPACK, up to order 4096, takes 0.3 GB more. */
 #define UNKNOWN_BYTES 500
@@ -136,11 +129,10 @@ static PetscErrorCode ReadCompressed(const Compressed *c, const MpmArray *shape,
   PetscFunctionBegin;
   if (c->inner->n != n || outer < 0 || at[0] != 0 || at[outer] != (PetscReal)n ||
       (PetscReal)outer != (c->by_columns ? column : row) || !MpmArrayIsWhole(c->pointer, 0))
-    (void)snprintf(why, MPM_WHY_TEXT, "%s",
-                   "its indices and pointers do not fit its data; allowed: pointers from 0 to the number of "
-                   "entries, one more than rows (or columns, of csc)");
+    MpmWhy(why, "its indices and pointers do not fit its data; allowed: pointers from 0 to the number of "
+                "entries, one more than rows (or columns, of csc)");
   for (PetscInt64 i = 0; i < outer && !why[0]; i++)
-    if (at[i] > at[i + 1]) (void)snprintf(why, MPM_WHY_TEXT, "%s", "its pointers decrease; allowed: csr or csc");
+    if (at[i] > at[i + 1]) MpmWhy(why, "its pointers decrease; allowed: csr or csc");
   if (!why[0]) PetscCall(MpmEntriesRoom(row, column, (PetscReal)n, e, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt64 i = 0; i < outer; i++) {
@@ -162,8 +154,7 @@ static PetscErrorCode ReadCoo(const MpmArrays *arrays, const MpmArray *data, con
 
   PetscFunctionBegin;
   if (!row || !column || !shape || row->n != data->n || column->n != data->n)
-    (void)snprintf(why, MPM_WHY_TEXT, "%s",
-                   "it is no coo matrix; allowed: arrays row, col and data of one length, and shape");
+    MpmWhy(why, "it is no coo matrix; allowed: arrays row, col and data of one length, and shape");
   if (!why[0]) PetscCall(MpmEntriesRoom(shape->real[0], shape->real[1], (PetscReal)data->n, e, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt64 k = 0; k < data->n; k++) {
@@ -184,7 +175,7 @@ static PetscErrorCode FromArrays(const MpmArrays *arrays, MpmEntries *e, char wh
   if (!format) format = MpmArraysFind(arrays, "encoding-type");
   if (shape && shape->n != 2) shape = NULL;
   if (steps && (steps->n != 1 || !MpmArrayIsWhole(steps, 1) || steps->real[0] > MPM_MATRIX_MOST_STEPS)) {
-    (void)snprintf(why, MPM_WHY_TEXT, "steps; allowed: one whole number from 1 to %d", MPM_MATRIX_MOST_STEPS);
+    MpmWhy(why, "steps; allowed: one whole number from 1 to %d", MPM_MATRIX_MOST_STEPS);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (steps) e->steps = (PetscInt64)steps->real[0];
@@ -195,14 +186,13 @@ static PetscErrorCode FromArrays(const MpmArrays *arrays, MpmEntries *e, char wh
   }
   if (format && !strncmp(format->text, "csc", 3)) c.by_columns = PETSC_TRUE;
   if (format && strncmp(format->text, "cs", 2) && strncmp(format->text, "coo", 3))
-    (void)snprintf(why, MPM_WHY_TEXT, "format %s; allowed: csr, csc or coo", format->text);
+    MpmWhy(why, "format %s; allowed: csr, csc or coo", format->text);
   else if (format && !strncmp(format->text, "coo", 3) && data)
     PetscCall(ReadCoo(arrays, data, shape, e, why));
   else if (data && c.inner && c.pointer && c.pointer->n)
     PetscCall(ReadCompressed(&c, shape, e, why));
   else
-    (void)snprintf(why, MPM_WHY_TEXT, "%s",
-                   "it has no matrix; allowed: arrays data, indices and indptr (or data, ir and jc)");
+    MpmWhy(why, "it has no matrix; allowed: arrays data, indices and indptr (or data, ir and jc)");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -240,7 +230,7 @@ static PetscErrorCode ReadFormat(const char path[], FILE *stream, MpmEntries *e,
   if (format == FORMAT_TEXT) PetscCall(MpmMatrixReadText(stream, e, why));
   if (format == FORMAT_PETSC) PetscCall(MpmMatrixReadPetsc(stream, e, why));
   if (format == FORMAT_ARRAYS) PetscCall(MpmArraysRead(path, names, &arrays, why));
-  if (format == FORMAT_NONE) (void)snprintf(why, MPM_WHY_TEXT, "its format is not known; %s", formats);
+  if (format == FORMAT_NONE) MpmWhy(why, "its format is not known; %s", formats);
   if (format == FORMAT_ARRAYS && !why[0]) PetscCall(FromArrays(&arrays, e, why));
   PetscCall(MpmArraysFree(&arrays));
   if (!why[0]) MpmEntriesCheck(e, why);
@@ -256,7 +246,7 @@ static PetscErrorCode ReadFile(const char path[], MpmEntries *e, char why[MPM_WH
   PetscFunctionBegin;
   if (stream && getc(stream) == EOF && ferror(stream)) error = errno;
   if (error)
-    (void)snprintf(why, MPM_WHY_TEXT, "%s; allowed: a file that can be read", MpmFileReason(error));
+    MpmWhy(why, "%s; allowed: a file that can be read", MpmFileReason(error));
   else {
     rewind(stream);
     PetscCall(ReadFormat(path, stream, e, why));
@@ -309,7 +299,7 @@ PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal toleran
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes a matrix in the format that the ending of the file's name says. */
+/* ---- writing ---- */
 
 #define LARGEST_NPZ 4e9 /* bytes of a zip archive without extensions */
 
@@ -397,6 +387,7 @@ PetscErrorCode MpmMatrixWrite(const char path[], Mat A, PetscInt exponent, Petsc
       MpmMatrixWritePetsc(&csr, file.stream);
     PetscCall(MpmTextFileClose(&file));
   }
-  PetscCall(FreeRows(&csr));
+  PetscCall(MatSeqAIJRestoreArray(*csr.whole, &csr.value));
+  PetscCall(MatDestroySubMatrices(1, &csr.whole));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,6 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/*
+   Matrix Market: a line that says what the file is, comments, sizes, and an entry a line (Boisvert, Pozo and Remington
+   1996, NISTIR 5935). Rows and columns count from 1.
+
+   A comment '% steps: 8' says that the matrix covers 8 steps. For other comments see probe/hooked.h.
+*/
+
 #define LINE 1025
 #define SHOWN 60   /* characters of a line in a message */
 #define SHORTEST 2 /* bytes of a line with a number */
@@ -38,8 +45,8 @@ static PetscBool Next(Line *line)
 
 static void Refuse(const Line *line, const char allowed[], char why[MPM_WHY_TEXT])
 {
-  (void)snprintf(why, MPM_WHY_TEXT, "line %" PetscInt64_FMT ": %.*s%s; allowed: %s", line->number, SHOWN, line->text,
-                 strlen(line->text) > SHOWN ? "..." : "", allowed);
+  MpmWhy(why, "line %" PetscInt64_FMT ": %.*s%s; allowed: %s", line->number, SHOWN, line->text,
+         strlen(line->text) > SHOWN ? "..." : "", allowed);
 }
 
 static void ReadBanner(Line *line, Banner *b, char why[MPM_WHY_TEXT])
@@ -57,10 +64,10 @@ static void ReadBanner(Line *line, Banner *b, char why[MPM_WHY_TEXT])
       (strcmp(word[2], "coordinate") && strcmp(word[2], "array")) ||
       (strcmp(word[3], "real") && strcmp(word[3], "double") && strcmp(word[3], "integer")) ||
       (strcmp(word[4], "general") && strcmp(word[4], "symmetric") && strcmp(word[4], "skew-symmetric"))) {
-    (void)snprintf(why, MPM_WHY_TEXT,
-                   "Matrix Market of kind %.20s %.20s %.20s; allowed: coordinate or array, real or integer, and "
-                   "general, symmetric or skew-symmetric",
-                   word[2] ? word[2] : "", word[3] ? word[3] : "", word[4] ? word[4] : "");
+    MpmWhy(why,
+           "Matrix Market of kind %.20s %.20s %.20s; allowed: coordinate or array, real or integer, and "
+           "general, symmetric or skew-symmetric",
+           word[2] ? word[2] : "", word[3] ? word[3] : "", word[4] ? word[4] : "");
     return;
   }
   b->dense     = strcmp(word[2], "array") ? PETSC_FALSE : PETSC_TRUE;
@@ -140,8 +147,8 @@ static PetscErrorCode ReadEntries(Line *line, const Banner *b, PetscInt64 listed
     PetscCall(NextEntry(line, e, &found, why));
     if (why[0]) break;
     if (!found || !Numbers(line->text, b->dense ? 1 : 3, b->dense ? number + 2 : number)) {
-      (void)snprintf(why, MPM_WHY_TEXT, "entry %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: %s", i + 1, listed,
-                     b->dense ? "a line with one number" : "a line with row, column and value");
+      MpmWhy(why, "entry %" PetscInt64_FMT " of %" PetscInt64_FMT "; allowed: %s", i + 1, listed,
+             b->dense ? "a line with one number" : "a line with row, column and value");
       break;
     }
     wrong = WrongEntry(b, e, number);
@@ -156,8 +163,7 @@ static PetscErrorCode ReadEntries(Line *line, const Banner *b, PetscInt64 listed
     }
   }
   if (!why[0]) PetscCall(NextEntry(line, e, &found, why));
-  if (!why[0] && found)
-    (void)snprintf(why, MPM_WHY_TEXT, "something follows its %" PetscInt64_FMT " entries; allowed: no more", listed);
+  if (!why[0] && found) MpmWhy(why, "something follows its %" PetscInt64_FMT " entries; allowed: no more", listed);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -169,7 +175,7 @@ static void CheckLength(FILE *stream, PetscReal listed, char why[MPM_WHY_TEXT])
 
   if (at >= 0 && !fseeko(stream, 0, SEEK_END)) end = ftello(stream);
   if (at < 0 || fseeko(stream, at, SEEK_SET) || !(listed * SHORTEST - 1 <= (PetscReal)(end - at)))
-    (void)snprintf(why, MPM_WHY_TEXT, "it is too short for %.10g entries; allowed: a whole file", listed);
+    MpmWhy(why, "it is too short for %.10g entries; allowed: a whole file", listed);
 }
 
 PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *e, char why[MPM_WHY_TEXT])
@@ -184,8 +190,7 @@ PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *e, char why[MPM_WHY_T
   if (!why[0]) PetscCall(NextEntry(&line, e, &found, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   if (!found || !Numbers(line.text, b.dense ? 2 : 3, size)) {
-    (void)snprintf(why, MPM_WHY_TEXT, "no line with its sizes; allowed: rows and columns%s",
-                   b.dense ? "" : ", and the number of entries");
+    MpmWhy(why, "no line with its sizes; allowed: rows and columns%s", b.dense ? "" : ", and the number of entries");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   for (int i = 0; i < 3 && !why[0]; i++)
@@ -284,7 +289,7 @@ PetscErrorCode MpmMatrixReadPetsc(FILE *stream, MpmEntries *e, char why[MPM_WHY_
   PetscBool  ok;
 
   PetscFunctionBegin;
-  (void)snprintf(why, MPM_WHY_TEXT, "%s", "it is cut off; allowed: a whole file of PETSc");
+  MpmWhy(why, "it is cut off; allowed: a whole file of PETSc");
   if (!ReadWhole(stream, 4, &head[0])) PetscFunctionReturn(PETSC_SUCCESS);
   if (head[0] == 0) { /* the upper half of a wide number */
     width = 8;
@@ -299,16 +304,14 @@ PetscErrorCode MpmMatrixReadPetsc(FILE *stream, MpmEntries *e, char why[MPM_WHY_
   if (head[3] != DENSE) bytes += (PetscReal)width * ((PetscReal)head[1] + entries);
   if (bytes > (PetscReal)end) PetscFunctionReturn(PETSC_SUCCESS);
   if (bytes + 8 * entries == (PetscReal)end && entries > 0)
-    (void)snprintf(why, MPM_WHY_TEXT, "%s", "it has complex numbers; allowed: a file of PETSc with real ones");
+    MpmWhy(why, "it has complex numbers; allowed: a file of PETSc with real ones");
   else
     why[0] = '\0';
   if (!why[0]) PetscCall(MpmEntriesRoom((PetscReal)head[1], (PetscReal)head[2], entries, e, why));
   if (why[0]) PetscFunctionReturn(PETSC_SUCCESS);
   ok = !fseeko(stream, (off_t)(4 * width), SEEK_SET);
   if (ok) ok = head[3] == DENSE ? ReadDense(stream, e) : ReadSparse(stream, width, e);
-  if (!ok)
-    (void)snprintf(why, MPM_WHY_TEXT, "%s",
-                   "the numbers of entries in its rows do not fit; allowed: a whole file of PETSc");
+  if (!ok) MpmWhy(why, "the numbers of entries in its rows do not fit; allowed: a whole file of PETSc");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -180,7 +180,7 @@ PetscErrorCode MpmModeFileCheck(const MpmScene *scene, const char path[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads what MpmModesWrite has written, after MpmModeFileCheck has checked it. */
+/* ---- reading, after the check ---- */
 
 /* Closes the file. It was whole when the program began, but somebody may have changed it since. */
 static PetscErrorCode CloseRead(const char path[], MpmHdf5 *file)
@@ -290,7 +290,7 @@ PetscErrorCode MpmModeFileFill(const char path[], MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes eigenvectors of an operator to a file, from which a run can take its initial data. */
+/* ---- writing ---- */
 
 static void WriteEigenvalue(const MpmOperator *op, const MpmEigen *eigen, PetscInt j, MpmDataFile *file)
 {

@@ -19,17 +19,6 @@ typedef struct {
   char            extents[64];
 } Fields;
 
-static void BeginXdmf(FILE *xmf)
-{
-  fprintf(xmf, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
-               "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
-}
-
-static void EndXdmf(FILE *xmf)
-{
-  fprintf(xmf, "</Grid>\n</Domain>\n</Xdmf>\n");
-}
-
 static void Item(const Fields *f, const char name[])
 {
   fprintf(f->xmf,
@@ -124,7 +113,7 @@ static void DescribeStep(FILE *xmf, const MpmScene *scene, const char file[], co
   fprintf(xmf, "</Grid>\n");
 }
 
-/* Writes particle and node fields as HDF5, in the order of global ids, and an XDMF file that describes them. */
+/* ---- particle and node fields as HDF5, in the order of global ids ---- */
 
 /*
    by_id, coordinates - numbers of particles in the order of global ids, and dim of them in a row (3 in one dimension)
@@ -167,7 +156,9 @@ PetscErrorCode MpmOutputCreate(const MpmMarch *march, const MpmRequest *request,
   PetscCall(CreateRows(comm, grid[dim - 1].nodes, row, &o->by_number));
   PetscCall(DMCreateLocalVector(march->grid->da, &o->local));
   PetscCall(MpmTextFileOpen(request->xmf, &o->xmf));
-  if (o->xmf.stream) BeginXdmf(o->xmf.stream);
+  if (o->xmf.stream)
+    fprintf(o->xmf.stream, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+                           "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
   PetscCall(MpmDataFileOpen(comm, o->scene, request, &o->file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -414,23 +405,16 @@ PetscErrorCode MpmOutputStep(MpmOutput *output, MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode NameFiles(MpmOutput *o)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmDataFileClose(&o->file));
-  if (o->xmf.stream) EndXdmf(o->xmf.stream);
-  PetscCall(MpmTextFileClose(&o->xmf));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmOutputDestroy(PetscBool keep, MpmOutput **output)
 {
   MpmOutput *o = *output;
 
   PetscFunctionBegin;
-  if (keep)
-    PetscCall(NameFiles(o));
-  else {
+  if (keep) {
+    PetscCall(MpmDataFileClose(&o->file));
+    if (o->xmf.stream) fprintf(o->xmf.stream, "</Grid>\n</Domain>\n</Xdmf>\n");
+    PetscCall(MpmTextFileClose(&o->xmf));
+  } else {
     PetscCall(MpmDataFileDrop(&o->file));
     MpmTextFileDrop(&o->xmf);
   }

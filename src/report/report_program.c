@@ -33,7 +33,7 @@ void MpmReportCertificates(json_t *result, const MpmCertificates *of)
   if (of->nfields) MpmPrint("\n");
 }
 
-/* A code that was probed, and its certificates. */
+/* ---- the code ---- */
 
 static void PrintMatrixFree(const MpmProgram *p)
 {
@@ -219,7 +219,7 @@ void MpmReportKinks(json_t *result, const MpmKinks *k)
   MpmPrint("\n");
 }
 
-/* The comparison of a code with a scheme of our own. */
+/* ---- the comparison with a scheme of our own ---- */
 
 #define ROWS 12 /* of the table; JSON has all */
 

@@ -396,7 +396,7 @@ void MpmResultSymbol(json_t *result, const MpmSymbol *symbol)
   MpmResultVector(result, "symbol.beta_at_max", symbol->dim, symbol->beta_at_max);
 }
 
-/* Says how large a matrix the nodes see of a scheme at rest, which is why its factors are what they are. */
+/* ---- how large a matrix the nodes see of a scheme at rest, which is why its factors are what they are ---- */
 
 /* The images by their maps and fields, in one dimension. */
 static PetscErrorCode NameImages(const MpmTable *table, const MpmNodalPlan *plan, MpmText *text)

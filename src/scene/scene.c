@@ -408,10 +408,7 @@ static PetscErrorCode ReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsReadGiven(settings, scene));
   PetscCall(MpmSettingsReadWaveSpeed(settings, scene));
   PetscCall(MpmSettingsReadKinematics(settings, scene));
-  if (scene->scheme.space.finite)
-    PetscCall(MpmSettingsReadFiniteLaw(settings, scene));
-  else
-    PetscCall(MpmSettingsReadLaw(settings, scene));
+  PetscCall(MpmSettingsReadLaw(settings, scene));
   PetscCall(MpmSettingsReadGrid(settings, scene));
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
@@ -449,7 +446,7 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From a YAML file and the command line to a scene, and to what a task is to do with it. */
+/* ---- scene and request ---- */
 
 /* Who asks for a limit means that of a scheme. The default's would be taken for an answer. */
 static PetscErrorCode AskFormulation(const MpmSettings *settings, const MpmRequest *request)

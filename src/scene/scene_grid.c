@@ -9,6 +9,14 @@
 #include <math.h>
 #include <string.h>
 
+/*
+   The wave speed of a scene, from moduli and density or as it is given, and whether the scene is in physical units.
+
+   With K the bulk and G the shear modulus, M = K + 4/3 G is the stiffness against a strain in one direction alone, and
+   c = sqrt(M / rho) the speed of pressure waves. M = E (1 - nu) / ((1 + nu) (1 - 2 nu)). In one dimension E is that of a
+   bar whose sides are free, where M = E. See any book on elasticity, such as Landau and Lifshitz (1986), sections 5, 22.
+*/
+
 #define MOST_DRIFT 1e6 /* cells per step */
 
 static const char *const moduli[] = {"young", "bulk", "shear"};
@@ -128,7 +136,7 @@ PetscErrorCode MpmSettingsReadWaveSpeed(const MpmSettings *settings, MpmScene *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From settings to Mach numbers, and to the drift that they make. */
+/* ---- velocities and Mach numbers, and the drift that they make ---- */
 
 PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, MpmMach *mach)
 {
@@ -144,63 +152,74 @@ PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, Mp
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first of two options that was given, as a fraction; the number itself where neither was. */
-static PetscErrorCode OneOf(const MpmSettings *settings, const char name[], const char other[], PetscReal number,
-                            MpmFraction *fraction)
+/* The first of two options that was given, along x, as a fraction; the number itself where neither was. */
+static PetscErrorCode OneOf(const MpmSettings *settings, const MpmScene *scene, const char name[], const char other[],
+                            PetscReal number, MpmFraction *fraction)
 {
-  MpmFraction each[MPM_MAX_DIM];
+  MpmFraction each[MPM_MAX_DIM] = {{.value = number}};
   const char *given = MpmSettingsGiven(settings, name) ? name : MpmSettingsGiven(settings, other) ? other : NULL;
 
   PetscFunctionBegin;
-  *fraction = (MpmFraction){.value = number};
-  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsFractions(settings, given, 1, each));
+  if (given) PetscCall(MpmSettingsFractions(settings, given, scene->layout.dim, each));
   *fraction = each[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-   k as a fraction: courant as it was given, or c dt / h. Where these are no fractions with short terms it is the double,
-   and then the drift is the short fraction that is the same double, if there is one.
+   The drift of a velocity of 1, dt / h or k / c, or of a Mach number of 1, c dt / h or k. With the time step dt / h is
+   dt cells / L where the length is given. It is a fraction when the numbers that were given are, so that particles come back
+   to their places; the wave speed is none where moduli are given.
 */
-static PetscErrorCode CourantOf(const MpmSettings *settings, const MpmScene *scene, MpmFraction *courant)
+static PetscErrorCode DriftOfOne(const MpmSettings *settings, const MpmScene *scene, PetscBool mach, MpmFraction *drift)
 {
-  const PetscInt cells     = MpmSettingsGiven(settings, "cell_width") ? 1 : scene->layout.grid[0].cells;
-  MpmFraction    factor[4] = {[2] = {cells, 1, cells}}, width[MPM_MAX_DIM];
+  const PetscBool has_dt = MpmSettingsGiven(settings, "dt"), has_width = MpmSettingsGiven(settings, "cell_width");
+  const PetscInt  cells = has_dt && !has_width ? scene->layout.grid[0].cells : 1;
+  const char     *step = has_dt ? "dt" : "courant", *width = has_width ? "cell_width" : "length";
+  MpmFraction     factor[4] = {{cells, 1, cells}, [2] = {1, 1, 1}}, speed, over = {1, 1, 1};
 
   PetscFunctionBegin;
-  if (!MpmSettingsGiven(settings, "dt")) {
-    PetscCall(OneOf(settings, "courant", "courant", scene->step.courant, courant));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(OneOf(settings, "wave_speed", "sound_speed", scene->wave_speed, &factor[0]));
-  PetscCall(OneOf(settings, "dt", "dt", scene->dt, &factor[1]));
-  if (MpmSettingsGiven(settings, "cell_width"))
-    PetscCall(MpmSettingsFractions(settings, "cell_width", 1, width));
-  else
-    PetscCall(MpmSettingsFractions(settings, "length", scene->layout.dim, width));
-  factor[3] = (MpmFraction){width[0].den, width[0].num, 1 / width[0].value};
-  *courant  = MpmFractionProduct(4, factor);
+  PetscCall(OneOf(settings, scene, step, step, has_dt ? scene->dt : scene->step.courant, &factor[1]));
+  PetscCall(OneOf(settings, scene, "wave_speed", "sound_speed", scene->wave_speed, &speed));
+  if (has_dt) PetscCall(OneOf(settings, scene, width, width, scene->cell_width, &over));
+  if (has_dt && mach) factor[2] = speed;
+  if (!has_dt && !mach) over = speed;
+  factor[3] = (MpmFraction){over.den, over.num, 1 / over.value};
+  *drift    = MpmFractionProduct(4, factor);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The drift M k of a scene whose Courant number is known, if mach is given. */
-static PetscErrorCode MachDrift(const MpmSettings *settings, MpmScene *scene)
+/*
+   Reads the drift of a velocity, or the drift M k of a Mach number, if one of them is given. Where its terms are too long it
+   is the short fraction that is the same double, if there is one.
+*/
+static PetscErrorCode ReadMotion(const MpmSettings *settings, MpmScene *scene)
 {
-  MpmFraction factors[2], part;
-  MpmMach     mach;
+  const PetscBool   is_mach = MpmSettingsGiven(settings, "mach");
+  const char *const name    = is_mach ? "mach" : "velocity";
+  MpmFraction       factor[2], number[MPM_MAX_DIM], *drift = scene->step.drift;
+  MpmMach           mach;
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &mach));
-  if (!MpmSettingsGiven(settings, "mach")) PetscFunctionReturn(PETSC_SUCCESS);
-  factors[0] = mach.unit;
-  PetscCall(CourantOf(settings, scene, &factors[1]));
-  part = MpmFractionProduct(2, factors);
-  if (!part.den) part = MpmFractionNear(mach.unit.value * scene->step.courant, MPM_LONGEST_PERIOD);
-  MpmMachDrift(&mach, &part, scene->step.drift);
-  for (PetscInt a = 0; a < scene->layout.dim; a++)
-    MpmSettingsRefuseIf(!(PetscAbsReal(scene->step.drift[a].value) <= MOST_DRIFT), settings, "mach",
+  if (!MpmSettingsGiven(settings, name)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DriftOfOne(settings, scene, is_mach, &factor[1]));
+  if (is_mach) {
+    PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &mach));
+    factor[0] = mach.unit;
+    number[0] = MpmFractionProduct(2, factor);
+    if (!number[0].den) number[0] = MpmFractionNear(mach.unit.value * scene->step.courant, MPM_LONGEST_PERIOD);
+    MpmMachDrift(&mach, &number[0], drift);
+  } else
+    PetscCall(MpmSettingsFractions(settings, name, scene->layout.dim, number));
+  for (PetscInt a = 0; a < scene->layout.dim; a++) {
+    if (!is_mach) {
+      factor[0] = number[a];
+      drift[a]  = MpmFractionProduct(2, factor);
+      if (!drift[a].den)
+        drift[a] = MpmFractionNear(number[a].value * scene->dt / scene->cell_width, MPM_LONGEST_PERIOD);
+    }
+    MpmSettingsRefuseIf(!(PetscAbsReal(drift[a].value) <= MOST_DRIFT), settings, name,
                         "allowed: at most 1e6 cells per step");
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -230,10 +249,6 @@ PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScen
                         scene->step.courant, MPM_LONGEST_PERIOD, courant.num, over));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-/*
-   From settings to a scene: the grid, where particles are in it, the time step, and how far particles move in one.
-*/
 
 #define MOST_PARTICLES (PETSC_MAX_INT / 2)
 #define SAME_WIDTH 1e-12
@@ -298,67 +313,6 @@ static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
     MpmSettingsRefuseIf(!isnormal(scene->dt), settings, MpmSettingsFarthest(settings, n, given),
                         "dt = k h / c is out of range; allowed: a finite time step");
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   What the numbers that are a fraction's text are divided by: with the time step the width of a cell, or the length of
-   which it is a part; with the Courant number the wave speed, which is no such text where moduli are given.
-*/
-static PetscErrorCode Divisor(const MpmSettings *settings, const MpmScene *scene, PetscBool has_dt,
-                              MpmFraction *divisor)
-{
-  const char *const names[] = {has_dt ? "cell_width" : "wave_speed", has_dt ? "length" : "sound_speed"};
-  MpmFraction       each[MPM_MAX_DIM];
-
-  PetscFunctionBegin;
-  *divisor = (MpmFraction){.value = scene->wave_speed};
-  for (int i = 0; i < 2; i++) {
-    if (!MpmSettingsGiven(settings, names[i])) continue;
-    PetscCall(MpmSettingsFractions(settings, names[i], i && has_dt ? scene->layout.dim : 1, each));
-    *divisor = each[0];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   The drift U0 dt / h of a velocity U0. With the Courant number it is U0 k / c, with the time step U0 dt cells / L: a
-   fraction when the numbers that were given are, so that particles come back to their places. Where its terms are too
-   long it is the short fraction that is the same double, if there is one.
-*/
-static PetscErrorCode DriftOf(const MpmSettings *settings, const MpmScene *scene, const MpmFraction *velocity,
-                              MpmFraction *drift)
-{
-  const PetscBool   has_dt    = MpmSettingsGiven(settings, "dt");
-  const char *const step      = has_dt ? "dt" : "courant";
-  MpmFraction       factor[4] = {{.num = 1, .den = 1, .value = 1}}, over;
-
-  PetscFunctionBegin;
-  factor[1] = *velocity;
-  (void)MpmFractionParse(MpmSettingsNumberText(settings, step), &factor[2]);
-  if (has_dt && MpmSettingsGiven(settings, "length")) {
-    const PetscInt cells = scene->layout.grid[0].cells;
-
-    factor[0] = (MpmFraction){.num = cells, .den = 1, .value = cells};
-  }
-  PetscCall(Divisor(settings, scene, has_dt, &over));
-  factor[3] = (MpmFraction){.num = over.den, .den = over.num, .value = 1 / over.value};
-  *drift    = MpmFractionProduct(4, factor);
-  if (!drift->den) *drift = MpmFractionNear(velocity->value * scene->dt / scene->cell_width, MPM_LONGEST_PERIOD);
-  MpmSettingsRefuseIf(!(PetscAbsReal(drift->value) <= MOST_DRIFT), settings, "velocity",
-                      "allowed: at most 1e6 cells per step");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadVelocity(const MpmSettings *settings, MpmScene *scene)
-{
-  MpmFraction velocity[MPM_MAX_DIM];
-
-  PetscFunctionBegin;
-  if (!MpmSettingsGiven(settings, "velocity")) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsFractions(settings, "velocity", scene->layout.dim, velocity));
-  for (PetscInt a = 0; a < scene->layout.dim; a++)
-    PetscCall(DriftOf(settings, scene, &velocity[a], &scene->step.drift[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -430,7 +384,6 @@ PetscErrorCode MpmSettingsReadGrid(const MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadGrid(settings, scene));
   PetscCall(ReadLayout(settings, scene));
   PetscCall(ReadTime(settings, scene));
-  PetscCall(ReadVelocity(settings, scene));
-  PetscCall(MachDrift(settings, scene));
+  PetscCall(ReadMotion(settings, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -7,6 +7,15 @@
 #include <math.h>
 #include <string.h>
 
+/*
+   The exact solution of a scene. Its mode is a plane wave, or the sum of a plane wave and its mirror images.
+
+   A mirror at the left end of direction a takes a velocity field v(X) to R v(R X), where R changes the sign of component
+   a, and a scalar u(X) to u(R X), or to -u(R X) where it vanishes at the end. The continuous problem is the same on both
+   sides. So the mean of a plane wave and of its images is a solution. It fulfils the conditions of symmetry, and for a
+   scalar those of any ends. The conditions at the right end choose the wave number.
+*/
+
 /* How a mode meets the ends. wave: the plane wave itself. */
 typedef struct {
   const MpmScene *scene;
@@ -169,7 +178,7 @@ PetscReal MpmSceneExact(const MpmScene *scene, const MpmProfile *profile, PetscI
   return scene->scheme.formulation->wave->value(profile, field, table->component[r], X, lags ? t - scene->dt / 2 : t);
 }
 
-/* What follows from a scene: whether it has an exact solution, the size of its fields, and its numbers of particles. */
+/* ---- what follows from a scene ---- */
 
 PetscBool MpmSceneHasPoisson(const MpmScene *scene)
 {
@@ -221,7 +230,7 @@ void MpmSceneCountsText(const MpmScene *scene, size_t room, char text[])
   }
 }
 
-/* The initial data of a scene: which wave it starts from, and whether that wave exists between its ends. */
+/* ---- initial data ---- */
 
 /* asked: the initial data that the settings name. Where there is no such solution scene->initial has others. */
 static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmInitial asked, MpmScene *scene)

@@ -4,6 +4,15 @@
 #include "scene/settings.h"
 #include <math.h>
 
+/*
+   The state that a scheme is linear about: its stress sigma0, its stiffness and its wave speed, from a material and a
+   stretch, or from the stress itself.
+
+   With P(F) the nominal stress of a material at the stretch F, small waves travel with c^2 = F^2 P'(F) / rho0 in the
+   stretched state of one dimension, and s0 = P / (F P'). A fluid feels the change of its volume alone, J = det F in the
+   place of F. A solid in more dimensions has the stretches F_a along the axes (docs/theory.md, section 9).
+*/
+
 static const char slow[] =
     "the stretched state is unstable by itself, because some of its waves have no real speed; allowed: a smaller "
     "compression";
@@ -127,35 +136,177 @@ static PetscErrorCode FromStress(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   At finite deformation the wave speed c is that of the uniform stretch which a run starts from, as about a prestress. So
+   Courant number and drift mean the same as in the linear scheme about that state.
+*/
+
+/*
+   lambda / mu of a solid: with dim 1 the option lame_ratio, else it follows from Poisson's ratio unless lame_ratio is
+   given. The scene has the one that follows from the other, too.
+*/
+static PetscErrorCode SetRatio(const MpmSettings *settings, MpmScene *scene)
+{
+  static const char *const rivals[] = {"poisson", "bulk", "shear"};
+  const PetscReal          nu       = scene->scheme.space.poisson;
+  PetscBool                given    = MpmSettingsSource(settings, "lame_ratio") != MPM_FROM_DEFAULT;
+
+  PetscFunctionBegin;
+  if (scene->layout.dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(rivals) && given; i++) {
+    if (MpmSettingsSource(settings, rivals[i]) == MPM_FROM_DEFAULT) continue;
+    PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", rivals[i],
+                                      "poisson, or bulk and shear, say it too with dim 2 or 3; allowed: one of them"));
+    given = PETSC_FALSE;
+  }
+  if (given) {
+    scene->scheme.space.poisson = scene->lame_ratio / (2 * (1 + scene->lame_ratio));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  MpmSettingsRefuseIf(nu == 0.5, settings, "poisson",
+                      "a solid at finite deformation resists a change of its shape; allowed: less than 0.5, "
+                      "or material tait, gas or polytropic");
+  scene->lame_ratio = 2 * nu / (1 - 2 * nu);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   rho0 c^2 of P waves along x about the stretch F, in units of rho0 c0^2. Such a wave has dF = H F with H_xx alone, and the
+   force d tau_xx - tau_xx H_xx.
+*/
+static PetscReal ModulusAlongX(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
+{
+  PetscReal        dF[MPM_MOST_STRETCH] = {0}, tau[6], dtau[6], *to[6], *dto[6];
+  const PetscReal *from[MPM_MOST_STRETCH], *dfrom[MPM_MOST_STRETCH];
+
+  for (PetscInt a = 0; a < dim; a++) dF[a] = F[a];
+  for (PetscInt c = 0; c < MpmMaterialComponents(material->law, dim); c++) {
+    from[c]  = &F[c];
+    dfrom[c] = &dF[c];
+  }
+  for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) {
+    to[c]  = &tau[c];
+    dto[c] = &dtau[c];
+  }
+  MpmMaterialStress(material, dim, 1, from, to);
+  MpmMaterialTangent(material, dim, 1, from, dfrom, dto);
+  return dtau[0] - tau[0];
+}
+
+/* The materials that read a number, as a list of words. */
+static void ReadersOf(PetscInt number, size_t room, char text[])
+{
+  size_t used = (size_t)snprintf(text, room, "allowed: only with material ");
+  int    n    = 0;
+
+  for (const MpmLaw *const *law = MpmLaws; *law; law++)
+    if ((*law)->plastic && (*law)->plastic->number[number].reads)
+      used += (size_t)snprintf(text + used, room - used, "%s%s", n++ ? " or " : "", (*law)->name);
+}
+
+static PetscErrorCode ReadPlastic(const MpmSettings *settings, MpmScene *scene)
+{
+  const MpmPlastic *law = scene->law->plastic;
+  char              text[256];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS; i++) {
+    const char *name = MpmPlasticNames[i];
+
+    ReadersOf(i, sizeof text, text);
+    if (!law || !law->number[i].reads) PetscCall(MpmSettingsRefuseUnless(settings, name, "material", text));
+    if (!law || !law->number[i].reads || MpmSettingsGiven(settings, name)) continue;
+    scene->plastic[i] = law->number[i].usual;
+  }
+  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS && law; i++)
+    MpmSettingsRefuseIf(law->number[i].reads &&
+                            !(scene->plastic[i] >= law->number[i].least && scene->plastic[i] <= law->number[i].most),
+                        settings, MpmPlasticNames[i], "allowed with material %s: from %g to %g", scene->law->name,
+                        (double)law->number[i].least, (double)law->number[i].most);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The steps of a formulation have one stage, so that a particle flows from the state of the step before. */
+static PetscBool HasOneStage(const MpmFormulation *f)
+{
+  for (PetscInt field = 0; f->particle_fields[field]; field++)
+    if (f->scratch[field] && f->particle_ranks[field] == MPM_TENSOR) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
+static PetscErrorCode FromFinite(const MpmSettings *settings, MpmScene *scene)
+{
+  MpmSpace      *space               = &scene->scheme.space;
+  const PetscInt dim                 = scene->layout.dim;
+  PetscReal      F[MPM_MOST_STRETCH] = {0}, modulus;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsRefuseUnless(settings, "prestress", "kinematics",
+                                    "with kinematics finite material and stretch give it; allowed: one of the two"));
+  PetscCall(PetscArrayzero(space->prestress, PETSC_STATIC_ARRAY_LENGTH(space->prestress)));
+  if (scene->law->solid) PetscCall(SetRatio(settings, scene));
+  space->material = MpmMaterialOfRatio(scene->law, scene->law->solid ? scene->lame_ratio : 0, scene->exponent);
+  PetscCall(PetscArraycpy(space->material.plastic, scene->plastic, MPM_PLASTIC_NUMBERS));
+  if (scene->law->plastic)
+    PetscCall(MpmSettingsRequire(settings, scene, "material", HasOneStage, "steps of one stage, without IMPLICIT"));
+  for (PetscInt c = dim * dim; c < MpmMaterialComponents(scene->law, dim); c++)
+    (void)MpmMaterialInternal(scene->law, c - dim * dim, &F[c]);
+  for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = space->stretch[a] = scene->stretch[a];
+  modulus = ModulusAlongX(&space->material, dim, F);
+  MpmSettingsRefuseIf(!(modulus > 0) || !isfinite(modulus), settings, "stretch", stiff);
+  space->stiffness = 1 / modulus;
+  scene->wave_speed *= sqrt(modulus);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses numbers that the material of the scene does not read. */
+static PetscErrorCode CheckNumbers(const MpmSettings *settings, const MpmScene *scene)
+{
+  const MpmLaw   *law    = scene->law;
+  const PetscBool finite = scene->scheme.space.finite;
+  const char     *why    = NULL;
+
+  PetscFunctionBegin;
+  if (finite && !law->solid)
+    why = "it is a fluid; allowed: only with a solid";
+  else if (!finite && law != &MpmLawNeo)
+    why = "allowed: only with material neo";
+  else if (!finite && scene->layout.dim > 1)
+    why = "poisson says it with dim 2 or 3; allowed: only with dim 1";
+  if (why) PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", "material", why));
+  if (law == &MpmLawLinear && !finite)
+    PetscCall(MpmSettingsRefuseUnless(settings, "stretch", "material",
+                                      "allowed: only with material neo, svk, tait, gas or polytropic"));
+  if (!(law->exponent > 0))
+    PetscCall(
+        MpmSettingsRefuseUnless(settings, "exponent", "material", "allowed: only with material tait or polytropic"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
 {
-  PetscInt word;
+  const PetscBool finite = scene->scheme.space.finite;
+  PetscInt        word;
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "material", &word));
+  MpmSettingsRefuseIf(finite && word > 0 && word < MPM_MATERIAL_KINDS, settings, "material",
+                      "with kinematics finite all particles are of one material; allowed: uniform (linear in "
+                      "the stretch), neo, svk, tait, gas, polytropic, mises, snow or sand");
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
-  MpmSettingsRefuseIf(scene->law->plastic, settings, "material",
+  MpmSettingsRefuseIf(!finite && scene->law->plastic, settings, "material",
                       "it flows, and a linear scheme is about a state that does not; allowed: with kinematics finite");
-  PetscCall(MpmSettingsReadPlastic(settings, scene));
-  if (scene->law == &MpmLawLinear)
-    PetscCall(MpmSettingsRefuseUnless(settings, "stretch", "material",
-                                      "allowed: only with material neo, svk, tait, gas or polytropic"));
-  if (scene->law != &MpmLawNeo || scene->layout.dim > 1)
-    PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", "material",
-                                      scene->law == &MpmLawNeo
-                                          ? "poisson says it with dim 2 or 3; allowed: only with dim 1"
-                                          : "allowed: only with material neo"));
-  if (!(scene->law->exponent > 0))
-    PetscCall(
-        MpmSettingsRefuseUnless(settings, "exponent", "material", "allowed: only with material tait or polytropic"));
-  if (scene->law == &MpmLawLinear) {
-    PetscCall(FromStress(settings, scene));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  PetscCall(ReadPlastic(settings, scene));
+  PetscCall(CheckNumbers(settings, scene));
   if (scene->law->exponent > 0 && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law->exponent;
-  MpmSettingsRefuseIf(MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT, settings, "prestress",
-                      "material and stretch give it; allowed: one of the two");
-  if (MpmSceneHasPoisson(scene) && scene->law->solid)
+  MpmSettingsRefuseIf(!finite && scene->law != &MpmLawLinear &&
+                          MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT,
+                      settings, "prestress", "material and stretch give it; allowed: one of the two");
+  if (finite)
+    PetscCall(FromFinite(settings, scene));
+  else if (scene->law == &MpmLawLinear)
+    PetscCall(FromStress(settings, scene));
+  else if (MpmSceneHasPoisson(scene) && scene->law->solid)
     PetscCall(FromSolid(settings, scene));
   else
     PetscCall(FromVolume(settings, scene));
@@ -300,7 +451,7 @@ PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *s
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Damping and viscosity of a scene, in the units of a step: c / h, and rho c h. */
+/* ---- damping and viscosity, in the units of a step: c / h, and rho c h ---- */
 
 static PetscBool HasForce(const MpmFormulation *f)
 {

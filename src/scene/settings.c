@@ -10,6 +10,11 @@
 #include <string.h>
 #include <strings.h>
 
+/*
+   PETSc keeps the options of all places in one database. Here each place is read once more, and the one that has the
+   option with the database's value is the one that counts.
+*/
+
 /* Where on the command line an option is; 0: nowhere. */
 static PetscErrorCode FindOnCommandLine(const char name[], int *at, char ***argv)
 {
@@ -89,7 +94,7 @@ PetscErrorCode MpmSettingsPlace(const char name[], const char value[], char plac
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Names of the field, and those of this program. */
+/* ---- names of the field, and those of this program ---- */
 
 /* clang-format off */
 static const char *const options[][2] = {
@@ -142,7 +147,7 @@ const char *MpmWordCalledHere(const char option[], const char word[])
   return NULL;
 }
 
-/* Gathers what the user said: in the scene file, then where PETSc finds options, then on the command line. */
+/* ---- what the user said ---- */
 
 /* Takes away what a weaker source said in another way; the same source must not say it twice. */
 PetscErrorCode MpmSettingsDisplace(MpmSettings *settings, PetscInt option, PetscInt other, MpmOrigin source)
@@ -176,21 +181,31 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSettingsFind(const char before[], const char name[], const char **text, char place[MPM_PLACE_TEXT])
+{
+  char      key[96];
+  PetscBool given;
+
+  PetscFunctionBegin;
+  (void)snprintf(key, sizeof key, "-%s%s", before, name);
+  PetscCall(PetscOptionsFindPair(NULL, NULL, key, text, &given));
+  if (given && !*text) *text = "";
+  if (!given) *text = NULL;
+  if (given) PetscCall(MpmSettingsPlace(key + 1, *text, place));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Sets the options in PETSc's database that have one source. */
 static PetscErrorCode ReadFrom(MpmSettings *settings, MpmOrigin source)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
-    char        key[64], place[MPM_PLACE_TEXT];
+    char        place[MPM_PLACE_TEXT];
     const char *text;
-    PetscBool   given;
 
-    (void)snprintf(key, sizeof key, "-%s", MpmOptions[i].name);
-    PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
-    if (!given) continue;
-    PetscCall(MpmSettingsPlace(MpmOptions[i].name, text, place));
-    if ((place[0] ? MPM_FROM_OUTSIDE : MPM_FROM_COMMAND_LINE) != source) continue;
-    PetscCall(MpmSettingsSet(settings, i, text ? text : "", source, 0));
+    PetscCall(MpmSettingsFind("", MpmOptions[i].name, &text, place));
+    if (text && (place[0] ? MPM_FROM_OUTSIDE : MPM_FROM_COMMAND_LINE) == source)
+      PetscCall(MpmSettingsSet(settings, i, text, source, 0));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -231,10 +246,7 @@ PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   Refuses options that do not exist and options that the task does not read, and says which options stand neither on the
-   command line nor in the scene.
-*/
+/* ---- options that do not exist, that the task does not read, or that stand elsewhere ---- */
 
 /*
    Whether an option is one of PETSc's or SLEPc's. These libraries read their options while the task runs, so beforehand
@@ -313,15 +325,6 @@ static PetscBool IsKey(const char word[])
   return word[0] == '-' && (word[1] == '-' || (word[1] | 32) >= 'a') ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* A scene file may hold options that other tasks read; on the command line such an option is a mistake. */
-static PetscErrorCode CheckTask(const char task[], const MpmField *option)
-{
-  PetscFunctionBegin;
-  MpmCheckInput(MpmFieldIsOf(option, task), "-%s: task %s does not read it; allowed: with task %s", option->name, task,
-                option->tasks);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first)
 {
   PetscBool is_theirs;
@@ -332,9 +335,13 @@ PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **a
     for (int j = first; j < i; j++)
       MpmCheckInput(MpmOptionIndex(argv[i] + 1) == MPM_NOT_AN_OPTION || strcmp(argv[i], argv[j]),
                     "%s is given a second time; allowed: once", argv[i]);
-    if (MpmOptionIndex(argv[i] + 1) != MPM_NOT_AN_OPTION)
-      PetscCall(CheckTask(task, &MpmOptions[MpmOptionIndex(argv[i] + 1)]));
-    else {
+    if (MpmOptionIndex(argv[i] + 1) != MPM_NOT_AN_OPTION) {
+      const MpmField *option = &MpmOptions[MpmOptionIndex(argv[i] + 1)];
+
+      /* a scene file may hold options that other tasks read; on the command line such an option is a mistake */
+      MpmCheckInput(MpmFieldIsOf(option, task), "-%s: task %s does not read it; allowed: with task %s", option->name,
+                    task, option->tasks);
+    } else {
       PetscCall(CheckLibrary(task, argv[i] + 1, "", &is_theirs));
       if (!is_theirs) PetscCall(CheckParameter(first ? argv[0] : NULL, argv[i] + 1, ""));
       for (int j = first; j < i && !is_theirs; j++)

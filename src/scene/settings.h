@@ -89,12 +89,15 @@ PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], Pe
 /*
    MpmSettingsPlace - says where an option of PETSc's database comes from: ", from PETSC_OPTIONS", ", from .petscrc" or
    another file of options; "" for the command line, or the program itself. value: NULL or "" for none.
+   MpmSettingsFind - the text that the database has of the option before and name, "" for none, and its place; NULL: it is
+   not there.
    MpmSettingsPlaceFile - gives the names of the files of options, the one that overrules the others first; the command
    line may name one. there: whether there is an i-th name. There need be no such file.
 
-   Collective on PETSC_COMM_WORLD: MpmSettingsPlace. Not collective: MpmSettingsPlaceFile.
+   Collective on PETSC_COMM_WORLD: MpmSettingsPlace, MpmSettingsFind. Not collective: MpmSettingsPlaceFile.
 */
 PetscErrorCode MpmSettingsPlace(const char name[], const char value[], char place[MPM_PLACE_TEXT]);
+PetscErrorCode MpmSettingsFind(const char before[], const char name[], const char **text, char place[MPM_PLACE_TEXT]);
 PetscErrorCode MpmSettingsPlaceFile(int i, size_t room, char file[], PetscBool *there);
 
 /*
@@ -178,9 +181,6 @@ const char *MpmSettingsText(const MpmSettings *settings, const char name[]);
 /* Not collective. Whether the word stands there that an option allows in the place of a number. */
 PetscBool MpmSettingsIsAlso(const MpmSettings *settings, const char name[]);
 
-/* Not collective. The text of an option's number: that of its default where such a word stands in its place. */
-const char *MpmSettingsNumberText(const MpmSettings *settings, const char name[]);
-
 /*
    MpmSettingsFarthest - of the options that were given the one whose number is farthest from 1; it is to blame when a
    product of them is out of the range of doubles.
@@ -247,58 +247,31 @@ PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is);
 PetscBool MpmSettingsIsOfMap(const char name[]);
 
 /*
-   Collective. Reads the wave speed of a scene, the Poisson's ratio that follows from bulk and shear modulus, and whether
-   the scene is in physical units. The fields that are kept as they stand, the formulation and the dimension must be known.
+   Readers of parts of a scene, in the order in which scene.c calls them: each needs what those before it have read, and
+   refuses what does not exist or does not go together.
+
+   Given       - particles of the file that the option layout names, and Poisson's ratio where it alone has one
+   WaveSpeed   - wave speed, whether the scene is in physical units, and the Poisson's ratio of bulk and shear modulus
+   Kinematics  - finite deformation or not, and the gravity there
+   Law         - the material and the stretch that a run starts from or a linear scheme is about, or its prestress; the wave
+                 speed in that state
+   Grid        - cells, particles in them, time step and drift
+   Colliders, Shape - bodies; the shape that particles fill
+   PlaceGiven  - puts the particles of a file into the grid, and refuses those outside and options of sites
+   Pace        - whether a run chooses its steps, and how large a part of the largest stable one they are
+   CheckFinite - what else finite deformation asks for, with Solution: whether the initial data have an exact one, with its
+                 body force and densities. Prestress: what a prestress asks for, whose particles must stay where they are
+   Damping     - damping and viscosity, from the units of the scene to those of a step
+   Initial     - initial data, for which the table must be made; random ones in place of those that nobody asked for and that
+                 have no exact solution
+
+   Collective. The first rank reads a file; all refuse together.
 */
-PetscErrorCode MpmSettingsReadWaveSpeed(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Reads the material and the stretch that a scheme is linear about: the prestress, and the wave speed there,
-   which multiplies that of the material at rest. The wave speed must be known.
-*/
-PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Reads whether a scene has finite deformation, and the gravity there; the material and the stretch of one
-   that has, in the place of MpmSettingsReadLaw; the numbers of a material that flows, and refuses those that it does not
-   read; and what else it asks for, in the place of MpmSettingsReadPrestress.
-*/
-PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene);
-PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *scene);
-PetscErrorCode MpmSettingsReadPlastic(const MpmSettings *settings, MpmScene *scene);
-PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene);
-
-/* Collective. Reads whether a run chooses its steps, and how large a part of the largest stable one they are. */
-PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene);
-
-/* Collective. Reads damping and viscosity, in the units of the scene, to those of a step (scene_damping.c). */
-PetscErrorCode MpmSettingsReadDamping(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   MpmSettingsReadGiven  - reads the particles of the file that the option layout names, and Poisson's ratio where it has one
-                           and the options have none. The dimension must be known.
-   MpmSettingsPlaceGiven - places them in the grid, and refuses those outside and options of sites. All but material and
-                           table must be known.
-
-   Collective. The first rank reads; all refuse together, with the number of the line.
-*/
-PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene);
-PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scene);
-
-/* Collective. Reads the shape that particles fill. The box that they are in and the kinematics must be known. */
-PetscErrorCode MpmSettingsReadShape(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Refuses scenes that have no exact solution at finite strain from the initial data that they name, and sets
-   the body force and the densities of one that has. All but the table must be known.
-*/
-PetscErrorCode MpmSettingsReadSolution(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Reads what else a prestress asks for, and refuses scenes whose particles would not stay where they are.
-   Scheme, layout, step and ends must be known.
-*/
-PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *scene);
+typedef PetscErrorCode MpmSceneReader(const MpmSettings *settings, MpmScene *scene);
+MpmSceneReader         MpmSettingsReadGiven, MpmSettingsReadWaveSpeed, MpmSettingsReadKinematics, MpmSettingsReadLaw,
+    MpmSettingsReadGrid, MpmSettingsReadColliders, MpmSettingsReadShape, MpmSettingsPlaceGiven, MpmSettingsReadPace,
+    MpmSettingsCheckFinite, MpmSettingsReadSolution, MpmSettingsReadPrestress, MpmSettingsReadDamping,
+    MpmSettingsReadInitial;
 
 /*
    Collective. Refuses an option that the scene's formulation cannot do. The message says what the formulation has none
@@ -309,17 +282,3 @@ PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *s
 
 /* Not collective. Whether a formulation has MOVE_PROJECTED, without which there is no second P2G. */
 PetscBool MpmFormulationIsProjected(const MpmFormulation *formulation);
-
-/*
-   Collective. Reads the grid of a scene, where its particles are, the time step, and the drift. The wave speed must be known.
-*/
-PetscErrorCode MpmSettingsReadGrid(const MpmSettings *settings, MpmScene *scene);
-
-/* Collective. Reads the colliders of a scene whose grid, step, ends and wave speed are known. */
-PetscErrorCode MpmSettingsReadColliders(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Reads the initial data of a scene whose layout, scheme and ends are known. Those that were not asked for
-   become random where they have no exact solution.
-*/
-PetscErrorCode MpmSettingsReadInitial(const MpmSettings *settings, MpmScene *scene);

@@ -46,17 +46,6 @@ static PetscErrorCode CheckOutput(const MpmSettings *settings, MpmRequest *reque
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The ending says in which format a matrix is written; blocks are arrays by name, which only some formats have. */
-static PetscErrorCode CheckEnding(const MpmSettings *settings, const char name[], const char path[])
-{
-  const char *endings = MpmOptions[MpmOptionIndex(name)].endings;
-
-  PetscFunctionBegin;
-  MpmSettingsRefuseIf(path[0] && !MpmFileHasEnding(path, endings), settings, name, "allowed: a name that ends in %s",
-                      endings);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- no file is overwritten that is read, or that is written already ---- */
 
 /* Finds a word of a command that is the same file. */
@@ -124,11 +113,13 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
 
   PetscFunctionBegin;
   PetscCall(CheckOutput(settings, request));
-  PetscCall(CheckEnding(settings, "write_matrix", request->write_matrix));
-  PetscCall(CheckEnding(settings, "write_blocks", request->write_blocks));
-  PetscCall(CheckEnding(settings, "write_layout", request->write_layout));
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    const char *endings = MpmOptions[i].endings;
+
     if (!IsUsed(settings, task, i, MPM_FILE_WRITTEN)) continue;
+    /* the ending says in which format a matrix is written; blocks are arrays by name, which only some formats have */
+    MpmSettingsRefuseIf(!strncmp(MpmOptions[i].name, "write_", 6) && !MpmFileHasEnding(settings->text[i], endings),
+                        settings, MpmOptions[i].name, "allowed: a name that ends in %s", endings);
     names[n]   = MpmOptions[i].name;
     paths[n++] = settings->text[i];
     if (strcmp(MpmOptions[i].name, "output") || !request->xmf[0]) continue;

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+/* The axes of a map of a code: parameters that the code names, which are known only when it has been started. */
+
 static const char map[] = "map_", separators[] = ", ";
 
 /* The two words of map_axes, or fewer. */
@@ -28,13 +30,13 @@ PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is)
   MpmAxis     axes[2];
   PetscInt    n;
   const char *text;
-  PetscBool   given, fit;
+  char        place[MPM_PLACE_TEXT];
+  PetscBool   fit;
 
   PetscFunctionBegin;
   *is = PETSC_FALSE;
   if (strncmp(name, map, strlen(map))) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(PetscOptionsFindPair(NULL, NULL, "-map_axes", &text, &given));
-  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsFind(map, "axes", &text, place));
   Words(text, &n, axes, &fit);
   for (PetscInt i = 0; i < n; i++)
     if (!strcmp(axes[i].name, name + strlen(map))) *is = PETSC_TRUE;
@@ -43,18 +45,16 @@ PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is)
 
 static PetscErrorCode ReadSpan(MpmAxis *axis)
 {
-  char        key[64], place[MPM_PLACE_TEXT];
+  char        place[MPM_PLACE_TEXT];
   const char *text;
   MpmFraction span[2];
-  PetscBool   given;
 
   PetscFunctionBegin;
-  (void)snprintf(key, sizeof key, "-%s%s", map, axis->name);
-  PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
-  MpmCheckInput(given, "-map_axes %s: the span of that axis is missing; allowed: with %s lo,hi", axis->name, key);
-  PetscCall(MpmSettingsPlace(key + 1, text, place));
-  MpmCheckInput(text && MpmSettingsParseSpan(text, span),
-                "%s %.200s%s: allowed: two numbers or fractions lo,hi with lo < hi", key, text ? text : "", place);
+  PetscCall(MpmSettingsFind(map, axis->name, &text, place));
+  MpmCheckInput(text, "-map_axes %s: the span of that axis is missing; allowed: with -%s%s lo,hi", axis->name, map,
+                axis->name);
+  MpmCheckInput(MpmSettingsParseSpan(text, span),
+                "-%s%s %.200s%s: allowed: two numbers or fractions lo,hi with lo < hi", map, axis->name, text, place);
   axis->from = span[0];
   axis->to   = span[1];
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -106,28 +106,12 @@ static PetscErrorCode ReadProgramAxes(const MpmSettings *settings, MpmRequest *r
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A matrix, or the blocks of a lattice, in the place of a scene: which options go with it. */
+/* ---- which options go with it ---- */
 
 const char *const MpmProbeNames[] = {"bloch", "coloured", "matrix_free", NULL};
 
 /* The options that name one. Each option's tasks are those that read it. */
 static const char *const sources[] = {"matrix", "matrix_blocks", "program", "plugin"};
-
-/* Options that need one of these sources. */
-static const struct {
-  const char *name, *first, *second;
-} needs[] = {
-    {"matrix_steps", "matrix", "matrix_blocks"},
-    {"program_set", "program", "plugin"},
-    {"program_base", "program", "plugin"},
-    {"program_dt", "program", "plugin"},
-    {"program_timeout", "program", "plugin"},
-    {"program_period", "program", "plugin"},
-    {"program_run", "program", "plugin"},
-    {"probe", "program", "plugin"},
-    {"at", "program", "plugin"},
-    {"compare", "program", "plugin"},
-};
 
 /* Whether an option was given and this task reads it. A scene file may have those of other tasks. */
 static PetscBool IsSaid(const MpmSettings *settings, const char task[], PetscInt i)
@@ -142,19 +126,6 @@ static PetscBool IsMotion(const char source[], const char task[], const char nam
                  (!strcmp(name, "drift") || !strcmp(name, "mach"))
              ? PETSC_TRUE
              : PETSC_FALSE;
-}
-
-static PetscErrorCode CheckNeeds(const MpmSettings *settings, const char task[], const char source[])
-{
-
-  PetscFunctionBegin;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(needs); i++) {
-    if (!IsSaid(settings, task, MpmOptionIndex(needs[i].name))) continue;
-    if (source && (!strcmp(source, needs[i].first) || !strcmp(source, needs[i].second))) continue;
-    PetscCall(
-        MpmSettingsRefuse(settings, needs[i].name, "allowed: only with %s or %s", needs[i].first, needs[i].second));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named)
@@ -174,7 +145,12 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
     source = sources[s];
   }
   *named = source ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(CheckNeeds(settings, task, source));
+  for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    const char *with = MpmOptions[i].with;
+
+    MpmSettingsRefuseIf(with && IsSaid(settings, task, i) && !(source && strstr(with, source)), settings,
+                        MpmOptions[i].name, "allowed: only with %s", with);
+  }
   if (!source) PetscFunctionReturn(PETSC_SUCCESS);
   (void)snprintf(why, sizeof why, "it describes a scene, and %s takes the place of a scene; allowed: one of them",
                  source);

@@ -8,6 +8,11 @@
 #define MANY_LAYOUTS 100       /* of an ensemble, when the option layouts is not given */
 #define SOME_LAYOUTS 20        /* of neighbourhoods random and disordered, whose limits are sought too */
 
+static PetscBool Is(const MpmRequest *request, const char task[])
+{
+  return strcmp(request->task, task) ? PETSC_FALSE : PETSC_TRUE;
+}
+
 const char *const MpmNeighbourhoodNames[] = {"bulk",       "edge",  "corner", "lone", "random",
                                              "disordered", "worst", "all",    NULL};
 
@@ -24,54 +29,27 @@ static void Take(PetscInt word, const MpmScene *scene, MpmRequest *request)
 }
 
 /*
-   Whether a scene in physical units leaves open where its particles end. One with walls, gaps or jitter says itself
-   where they are.
+   A lattice in physical units leaves open where its particles end, so that critical looks at all neighbourhoods. One with
+   walls, gaps or jitter says itself where they are.
 */
-static PetscBool FillsSpace(const MpmScene *scene)
-{
-  return MpmSceneIsPhysical(scene) && MpmLayoutIsUniform(&scene->layout) ? PETSC_TRUE : PETSC_FALSE;
-}
-
 static PetscErrorCode ReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
-  const PetscBool critical = !strcmp(request->task, "critical") ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool reads    = critical || !strcmp(request->task, "spectrum") ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool critical = Is(request, "critical");
   PetscInt        word[MPM_NEIGHBOURHOODS + 1], n = 0;
 
   PetscFunctionBegin;
-  if (reads && MpmSettingsGiven(settings, "neighbourhood"))
+  if ((critical || Is(request, "spectrum")) && MpmSettingsGiven(settings, "neighbourhood"))
     PetscCall(MpmSettingsWords(settings, "neighbourhood", MPM_NEIGHBOURHOODS + 1, &n, word));
-  MpmSettingsRefuseIf(n && request->survey, settings, "neighbourhood",
-                      "a survey is of the bulk; allowed: without survey");
-  MpmSettingsRefuseIf(n && critical && request->at_mach, settings, "neighbourhood",
-                      "at a Mach number the search is of the bulk; allowed: drift");
-  if (!n) word[n++] = critical && !request->survey && !request->at_mach && FillsSpace(scene) ? ALL : MPM_IN_BULK;
+  if (!n && critical && !request->survey && !request->at_mach && MpmSceneIsPhysical(scene) &&
+      MpmLayoutIsUniform(&scene->layout))
+    word[n++] = ALL;
+  if (!n) word[n++] = MPM_IN_BULK;
   for (PetscInt i = 0; i < n; i++) Take(word[i], scene, request);
-  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
-    MpmSettingsRefuseIf(scene->layout.given && request->neighbourhood[kind] != (kind == MPM_IN_BULK), settings,
-                        "neighbourhood", "the layout of a file has its own surfaces; allowed: bulk, or layout uniform");
-  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
-    MpmSettingsRefuseIf(scene->layout.colliders && request->neighbourhood[kind] != (kind == MPM_IN_BULK), settings,
-                        "neighbourhood", "colliders stand in the grid of the scene; allowed: bulk");
-  if (!request->neighbourhood[MPM_IN_BULK])
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
-                                   "csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix",
-                                   "it is of the bulk; allowed: with neighbourhood bulk"));
-  if (reads && !request->neighbourhood[MPM_AT_RANDOM])
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "voids", "allowed: with neighbourhood random"));
-  if (reads && !request->neighbourhood[MPM_AT_RANDOM] && !request->neighbourhood[MPM_DISORDERED] &&
-      !request->neighbourhood[MPM_AT_WORST])
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "layouts",
-                                   "allowed: with neighbourhood random, disordered or worst"));
-  if (critical && !request->neighbourhood[MPM_AT_WORST] && !scene->layout.given)
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "write_layout",
-                                   "allowed: with neighbourhood worst, or with layout FILE or random"));
-  if (!MpmSettingsGiven(settings, "layouts"))
-    request->layouts = strcmp(request->task, "ensemble") ? SOME_LAYOUTS : MANY_LAYOUTS;
+  if (!MpmSettingsGiven(settings, "layouts")) request->layouts = Is(request, "ensemble") ? MANY_LAYOUTS : SOME_LAYOUTS;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a run is asked of its tangent, and whether its scheme has one. */
+/* ---- the tangent of a run ---- */
 
 const char *const MpmTangentNames[] = {"none", "random", "mode", NULL};
 
@@ -91,55 +69,22 @@ static const char *WhyNot(const MpmScene *scene)
   return NULL;
 }
 
-/* The task spectrum marches a scene of finite kinematics to the state that it looks at, and others not at all. */
-static PetscErrorCode CheckSpectrum(const MpmSettings *settings, const MpmScene *scene)
-{
-  PetscFunctionBegin;
-  if (scene->scheme.space.finite)
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_SCENE, "measure,nodal,neighbourhood,modes",
-                                   "it is of a linear step; allowed: with kinematics linear"));
-  else
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
-                                   "initial,mode,polarisation,amplitude,gravity,at_step",
-                                   "the spectrum of a linear step does not depend on it; allowed: with task run, or "
-                                   "with kinematics finite"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Refuses more numbers of a state than PETSC_MAX_INT. Of each place there are a cell and a place in the cell. */
-static PetscErrorCode CheckUnknowns(const MpmSettings *settings, const MpmScene *scene, const char option[])
+/*
+   Refuses a scene without a tangent, and more numbers of a state than PETSC_MAX_INT: of each place there are a cell and a
+   place in the cell.
+*/
+static PetscErrorCode CheckTangent(const MpmSettings *settings, const MpmScene *scene, const char option[])
 {
   const PetscInt64 each = 2 * scene->layout.dim + scene->scheme.table->nstate;
+  const char      *why  = WhyNot(scene);
 
   PetscFunctionBegin;
-  if (scene->layout.particles <= PETSC_MAX_INT / each) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsRefuse(
-      settings, option, "too many particles for a tangent, %" PetscInt64_FMT "; allowed: at most %" PetscInt64_FMT,
-      scene->layout.particles, PETSC_MAX_INT / each));
+  MpmSettingsRefuseIf(why, settings, option, "%s", why);
+  MpmSettingsRefuseIf(scene->layout.particles > PETSC_MAX_INT / each, settings, option,
+                      "too many particles for a tangent, %" PetscInt64_FMT "; allowed: at most %" PetscInt64_FMT,
+                      scene->layout.particles, PETSC_MAX_INT / each);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-static PetscErrorCode ReadTangent(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
-{
-  const PetscBool frozen = strcmp(request->task, "spectrum") ? PETSC_FALSE : PETSC_TRUE;
-  const char     *why    = WhyNot(scene);
-
-  PetscFunctionBegin;
-  MpmSettingsRefuseIf(request->tangent && why, settings, "tangent", "%s", why);
-  if (request->tangent) PetscCall(CheckUnknowns(settings, scene, "tangent"));
-  if (frozen) PetscCall(CheckSpectrum(settings, scene));
-  MpmSettingsRefuseIf(frozen && why && scene->scheme.space.finite, settings, "kinematics", "%s", why);
-  if (frozen && scene->scheme.space.finite) PetscCall(CheckUnknowns(settings, scene, "kinematics"));
-  if (!request->tangent)
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_SCENE, "window,exponents,warn_above",
-                                   "nothing reads it here; allowed: with tangent"));
-  MpmSettingsRefuseIf((PetscInt64)request->exponents >
-                          (scene->layout.dim + scene->scheme.table->nstate) * scene->layout.particles,
-                      settings, "exponents", "allowed: no more than places and fields of all particles");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* From settings to a request: what a task is to do with its scene. */
 
 #define MOST_STEPS 1e15
 
@@ -184,18 +129,10 @@ static PetscErrorCode ReadSteps(const MpmSettings *settings, const MpmScene *sce
 /* ---- what tasks measure ---- */
 
 /* The waves are those of the phases along x that are at least 3 cells long. */
-static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+static PetscErrorCode ReadDamping(const MpmSettings *settings, MpmRequest *request)
 {
   PetscFunctionBegin;
-  if (!request->damping)
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "damping_divisors", "allowed: only with damping"));
-  if (!request->damping || strcmp(request->task, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmSettingsRefuseIf(!scene->scheme.formulation->wave, settings, "damping",
-                      "the formulation names no continuous problem whose waves could be followed; allowed: a "
-                      "formulation with an exact solution");
-  MpmSettingsRefuseIf(scene->layout.dim > 1 && MpmSpaceIsPrestressed(&scene->scheme.space), settings, "damping",
-                      "waves about a prestressed state have no exact solution here; allowed: with dim 1, or "
-                      "without a prestress");
+  if (!request->damping || !Is(request, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
   MpmSettingsRefuseIf(request->phases[0] < 3, settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
                       "damping needs a wave of 3 cells or more; allowed: 3 or more along x");
   PetscCall(MpmSettingsList(settings, "damping_divisors", MPM_MAX_DIVISORS, &request->ndivisors, request->divisors));
@@ -208,39 +145,12 @@ static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *s
 */
 static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
-  const PetscBool map = !strcmp(request->task, "map") ? PETSC_TRUE : PETSC_FALSE;
-
   PetscFunctionBegin;
   PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &request->mach));
   request->at_mach = request->mach.unit.num ? PETSC_TRUE : PETSC_FALSE;
-  if (!request->at_mach || !strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!map || !(MpmRequestVaries(request, MPM_AXIS_COURANT) || MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
-                MpmRequestVaries(request, MPM_AXIS_MACH)))
+  if (request->at_mach && !Is(request, "run") && !MpmRequestVaries(request, MPM_AXIS_COURANT) &&
+      !MpmRequestVaries(request, MPM_AXIS_DRIFT) && !MpmRequestVaries(request, MPM_AXIS_MACH))
     PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
-  MpmSettingsRefuseIf(request->survey, settings, "mach", "a survey keeps the drift; allowed: drift, or without survey");
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && MpmRequestVaries(request, MPM_AXIS_COURANT),
-                      settings, "mach", "a map that turns the drift keeps its size; allowed: drift");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   A map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself. The limit
-   is sought at one drift, too; it must not be that of the default Courant number.
-*/
-static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-                          !MpmRequestVaries(request, MPM_AXIS_MACH) && MpmSettingsGiven(settings, "velocity") &&
-                          MpmSceneDrifts(scene),
-                      settings, "velocity",
-                      "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
-                      "would change; allowed: drift or mach");
-  MpmSettingsRefuseIf(!strcmp(request->task, "critical") && MpmSettingsGiven(settings, "velocity") &&
-                          !MpmSceneHasStep(scene),
-                      settings, "velocity",
-                      "how many cells particles move per step depends on the time step; allowed: with dt or "
-                      "courant, or drift");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -279,33 +189,6 @@ static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, Mpm
   MpmSettingsRefuseIf(MpmSettingsSource(settings, "map_points") != MPM_FROM_DEFAULT && points != axis->points, settings,
                       "map_points", "map_ppc takes every number between its ends; allowed: %" PetscInt_FMT " for it",
                       axis->points);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Refuses axes that the scene does not have. */
-static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  if (MpmRequestVaries(request, MPM_AXIS_POISSON) && !MpmSceneHasPoisson(scene))
-    PetscCall(MpmSettingsRefuse(
-        settings, "map_axes",
-        "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_POISSON) && MpmSpaceIsPrestressed(&scene->scheme.space),
-                      settings, "map_axes", "the prestress is of one Poisson's ratio; allowed: other axes");
-  if (MpmRequestVaries(request, MPM_AXIS_POISSON))
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_SCENE, "young,bulk",
-                                   "the map varies Poisson's ratio, and with it the wave speed of a modulus would "
-                                   "change; allowed: sound_speed"));
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1, settings, "map_axes",
-                      "allowed: drift_angle only with dim 2 or 3");
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_MACH) && (MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
-                                                                   MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)),
-                      settings, "map_axes", "mach makes the drift; allowed: mach with another axis");
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-                          scene->step.drift[0].value == 0 && scene->step.drift[1].value == 0,
-                      settings, "map_axes",
-                      "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a "
-                      "drift such as 1/8,0");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -372,10 +255,9 @@ static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *
   for (PetscInt i = 0; settings->scheme && i < settings->scheme->nparameters; i++) {
     const char                 *name = settings->scheme->parameters[i].name.text;
     const MpmSettingsParameter *said = MpmSettingsParameterSaid(settings, "map_", name);
-    const PetscBool             axis =
-        !strcmp(request->task, "map") && (request->axes[0].parameter == i || request->axes[1].parameter == i)
-                        ? PETSC_TRUE
-                        : PETSC_FALSE;
+    const PetscBool axis = Is(request, "map") && (request->axes[0].parameter == i || request->axes[1].parameter == i)
+                               ? PETSC_TRUE
+                               : PETSC_FALSE;
 
     if (said && said->source == MPM_FROM_COMMAND_LINE && !axis)
       PetscCall(
@@ -411,7 +293,6 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
     MpmSettingsRefuseIf(MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE &&
                             i != (PetscInt)request->axes[0].kind && i != (PetscInt)request->axes[1].kind,
                         settings, spans[i], "map_axes does not name it; allowed: with an axis of that name");
-  PetscCall(CheckAxes(settings, scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -423,7 +304,7 @@ static PetscErrorCode CheckModeFile(const MpmSettings *settings, const MpmScene 
   const PetscBool wanted = scene->initial == MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
-  if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!Is(request, "run")) PetscFunctionReturn(PETSC_SUCCESS);
   MpmCheckInput(!wanted || request->mode_file[0],
                 "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
   if (!wanted && request->mode_file[0])
@@ -437,7 +318,7 @@ static PetscErrorCode CheckEvery(const MpmSettings *settings, const char name[],
 {
 
   PetscFunctionBegin;
-  if (strcmp(request->task, "run") || !MpmSettingsGiven(settings, name))
+  if (!Is(request, "run") || !MpmSettingsGiven(settings, name))
     *every = request->steps;
   else if (!path[0]) {
     PetscCall(MpmSettingsRefuse(settings, name, "allowed: only with %s", file));
@@ -500,20 +381,105 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
 
 #define NODAL_FROM 500 /* unknowns of particles; fewer take no time, and their operator is the better balanced one */
 
-/* What reads the linear step of a scheme has none at finite deformation. */
-static PetscErrorCode CheckKinematics(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
+/* ---- what does not go together ---- */
+
+/* clang-format off */
+#define WHEN(function, condition) static PetscBool function(const MpmScene *s, const MpmRequest *r) { (void)s, (void)r; return (condition) ? PETSC_TRUE : PETSC_FALSE; }
+#define VARIES(axis) MpmRequestVaries(r, MPM_AXIS_##axis)
+#define SEES(where)  r->neighbourhood[MPM_##where]
+
+static PetscBool IsBeyondBulk(const MpmRequest *r)
+{
+  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
+    if (r->neighbourhood[kind] != (kind == MPM_IN_BULK)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+WHEN(ChoosesElsewhere, s->safety > 0 && !Is(r, "run"))
+WHEN(NeedsLinear, s->scheme.space.finite && !Is(r, "run") && !Is(r, "spectrum"))
+WHEN(LooksAtLinear, s->scheme.space.finite && (r->weights || r->source_term || r->ringing))
+WHEN(OfFrozen, s->scheme.space.finite && Is(r, "spectrum"))
+WHEN(OfLinear, !s->scheme.space.finite && Is(r, "spectrum"))
+WHEN(WithoutTangent, !r->tangent)
+WHEN(FollowsTooMany, (PetscInt64)r->exponents > (s->layout.dim + s->scheme.table->nstate) * s->layout.particles)
+WHEN(Surveys, r->survey)
+WHEN(WithoutDamping, !r->damping)
+WHEN(DampsNoWave, r->damping && Is(r, "symbol") && !s->scheme.formulation->wave)
+WHEN(DampsPrestress, r->damping && Is(r, "symbol") && s->layout.dim > 1 && MpmSpaceIsPrestressed(&s->scheme.space))
+WHEN(SurveysAtMach, r->survey && r->at_mach)
+WHEN(TurnsMach, r->at_mach && VARIES(DRIFT_ANGLE) && VARIES(COURANT))
+/* a map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself */
+WHEN(KeepsDrift, VARIES(COURANT) && !VARIES(DRIFT) && !VARIES(MACH) && MpmSceneDrifts(s))
+/* the limit is sought at one drift, too; it must not be that of the default Courant number */
+WHEN(HasNoDrift, Is(r, "critical") && !MpmSceneHasStep(s))
+WHEN(HasNoPoisson, VARIES(POISSON) && !MpmSceneHasPoisson(s))
+WHEN(VariesPrestress, VARIES(POISSON) && MpmSpaceIsPrestressed(&s->scheme.space))
+WHEN(VariesPoisson, VARIES(POISSON))
+WHEN(TurnsOnLine, VARIES(DRIFT_ANGLE) && s->layout.dim == 1)
+WHEN(VariesTwice, VARIES(MACH) && (VARIES(DRIFT) || VARIES(DRIFT_ANGLE)))
+WHEN(TurnsNothing, VARIES(DRIFT_ANGLE) && !VARIES(DRIFT) && s->step.drift[0].value == 0 && s->step.drift[1].value == 0)
+WHEN(SurveysBulk, r->survey && (Is(r, "critical") || Is(r, "spectrum")))
+WHEN(LimitAtMach, Is(r, "critical") && r->at_mach)
+WHEN(SurfaceOfFile, s->layout.given && IsBeyondBulk(r))
+WHEN(BeyondColliders, s->layout.colliders && IsBeyondBulk(r))
+WHEN(WithoutBulk, !SEES(IN_BULK))
+WHEN(WithoutRandom, !SEES(AT_RANDOM))
+WHEN(WithoutLayouts, !Is(r, "ensemble") && !SEES(AT_RANDOM) && !SEES(DISORDERED) && !SEES(AT_WORST))
+WHEN(WithoutWorst, !SEES(AT_WORST) && !s->layout.given)
+/* the slides define their weights for hat functions, at nodes with a cell on either side */
+WHEN(HasNoWeights, Is(r, "run") && r->weights && !(s->scheme.basis->hat && MpmSceneIsPeriodic(s)))
+
+/* Of options with commas between them those are refused that a source as strong as least has given, when a condition holds. */
+typedef struct {
+  const char *options;
+  MpmOrigin   least;
+  PetscBool (*when)(const MpmScene *scene, const MpmRequest *request);
+  const char *why;
+} Rule;
+
+/* Rules that follow from options alone, and those of axes, Mach numbers and neighbourhoods, which are read before. */
+static const Rule at_first[] = {
+  {"courant", MPM_FROM_DEFAULT, ChoosesElsewhere, "allowed with this task: a number"},
+  {"kinematics", MPM_FROM_DEFAULT, NeedsLinear, "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with material and stretch, or prestress, is about a uniform state"},
+  {"kinematics", MPM_FROM_DEFAULT, LooksAtLinear, "weights, source_term and ringing are of the linear step; allowed: without them"},
+  {"measure,nodal,neighbourhood,modes", MPM_FROM_SCENE, OfFrozen, "it is of a linear step; allowed: with kinematics linear"},
+  {"initial,mode,polarisation,amplitude,gravity,at_step", MPM_FROM_COMMAND_LINE, OfLinear, "the spectrum of a linear step does not depend on it; allowed: with task run, or with kinematics finite"},
+  {"window,exponents,warn_above", MPM_FROM_SCENE, WithoutTangent, "nothing reads it here; allowed: with tangent"},
+  {"exponents", MPM_FROM_DEFAULT, FollowsTooMany, "allowed: no more than places and fields of all particles"},
+  {"formulation,scheme,basis,transfer,courant,dt,expect,expect_critical,json", MPM_FROM_COMMAND_LINE, Surveys, "a survey goes through all schemes; allowed: without survey"},
+  {"damping_divisors", MPM_FROM_COMMAND_LINE, WithoutDamping, "allowed: only with damping"},
+  {"damping", MPM_FROM_DEFAULT, DampsNoWave, "the formulation names no continuous problem whose waves could be followed; allowed: a formulation with an exact solution"},
+  {"damping", MPM_FROM_DEFAULT, DampsPrestress, "waves about a prestressed state have no exact solution here; allowed: with dim 1, or without a prestress"},
+  {NULL}},
+at_last[] = {
+  {"map_axes", MPM_FROM_DEFAULT, HasNoPoisson, "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"},
+  {"map_axes", MPM_FROM_DEFAULT, VariesPrestress, "the prestress is of one Poisson's ratio; allowed: other axes"},
+  {"young,bulk", MPM_FROM_SCENE, VariesPoisson, "the map varies Poisson's ratio, and with it the wave speed of a modulus would change; allowed: sound_speed"},
+  {"map_axes", MPM_FROM_DEFAULT, TurnsOnLine, "allowed: drift_angle only with dim 2 or 3"},
+  {"map_axes", MPM_FROM_DEFAULT, VariesTwice, "mach makes the drift; allowed: mach with another axis"},
+  {"map_axes", MPM_FROM_DEFAULT, TurnsNothing, "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a drift such as 1/8,0"},
+  {"velocity", MPM_FROM_SCENE, KeepsDrift, "the Courant number is varied at a fixed drift, and with it the drift of a velocity would change; allowed: drift or mach"},
+  {"velocity", MPM_FROM_SCENE, HasNoDrift, "how many cells particles move per step depends on the time step; allowed: with dt or courant, or drift"},
+  {"mach", MPM_FROM_SCENE, SurveysAtMach, "a survey keeps the drift; allowed: drift, or without survey"},
+  {"mach", MPM_FROM_SCENE, TurnsMach, "a map that turns the drift keeps its size; allowed: drift"},
+  {"neighbourhood", MPM_FROM_SCENE, SurveysBulk, "a survey is of the bulk; allowed: without survey"},
+  {"neighbourhood", MPM_FROM_SCENE, LimitAtMach, "at a Mach number the search is of the bulk; allowed: drift"},
+  {"neighbourhood", MPM_FROM_DEFAULT, SurfaceOfFile, "the layout of a file has its own surfaces; allowed: bulk, or layout uniform"},
+  {"neighbourhood", MPM_FROM_DEFAULT, BeyondColliders, "colliders stand in the grid of the scene; allowed: bulk"},
+  {"csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix", MPM_FROM_COMMAND_LINE, WithoutBulk, "it is of the bulk; allowed: with neighbourhood bulk"},
+  {"voids", MPM_FROM_COMMAND_LINE, WithoutRandom, "allowed: with neighbourhood random"},
+  {"layouts", MPM_FROM_COMMAND_LINE, WithoutLayouts, "allowed: with neighbourhood random, disordered or worst"},
+  {"write_layout", MPM_FROM_COMMAND_LINE, WithoutWorst, "allowed: with neighbourhood worst, or with layout FILE or random"},
+  {"weights", MPM_FROM_DEFAULT, HasNoWeights, "allowed: with basis linear and boundary periodic"},
+  {NULL}};
+/* clang-format on */
+
+static PetscErrorCode Check(const Rule rules[], const MpmSettings *settings, const MpmScene *scene,
+                            const MpmRequest *request)
 {
   PetscFunctionBegin;
-  MpmSettingsRefuseIf(scene->safety > 0 && strcmp(request->task, "run"), settings, "courant",
-                      "allowed with this task: a number");
-  if (!scene->scheme.space.finite) PetscFunctionReturn(PETSC_SUCCESS);
-  if (strcmp(request->task, "run") && strcmp(request->task, "spectrum"))
-    PetscCall(MpmSettingsRefuse(
-        settings, "kinematics",
-        "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with "
-        "material and stretch, or prestress, is about a uniform state"));
-  MpmSettingsRefuseIf((request->weights || request->source_term || request->ringing), settings, "kinematics",
-                      "weights, source_term and ringing are of the linear step; allowed: without them");
+  for (const Rule *rule = rules; rule->options; rule++)
+    if (rule->when(scene, request)) PetscCall(MpmSettingsRefuseAny(settings, rule->least, rule->options, rule->why));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -544,25 +510,18 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   request->nodal_asked = MpmSettingsGiven(settings, "nodal");
   if (!request->nodal_asked)
     request->nodal = scene->layout.particles * scene->scheme.table->nstate >= NODAL_FROM ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(CheckKinematics(settings, scene, request));
-  PetscCall(ReadTangent(settings, scene, request));
+  PetscCall(Check(at_first, settings, scene, request));
+  if (request->tangent) PetscCall(CheckTangent(settings, scene, "tangent"));
+  if (scene->scheme.space.finite && Is(request, "spectrum")) PetscCall(CheckTangent(settings, scene, "kinematics"));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSolution(settings, scene, request));
-  if (request->survey) /* it does not depend on the scene's Courant number */
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
-                                   "formulation,scheme,basis,transfer,courant,dt,expect,expect_critical,json",
-                                   "a survey goes through all schemes; allowed: without survey"));
-  PetscCall(ReadDamping(settings, scene, request));
+  PetscCall(ReadDamping(settings, request));
   for (int a = 0; a < 2; a++) request->axes[a].parameter = MPM_NONE;
-  if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
+  if (Is(request, "map")) PetscCall(ReadAxes(settings, scene, request));
   PetscCall(CheckSpans(settings, request));
-  PetscCall(CheckVelocity(settings, scene, request));
   PetscCall(ReadMach(settings, scene, request));
   PetscCall(ReadNeighbourhoods(settings, scene, request));
-  /* the slides define their weights for hat functions, at nodes with a cell on either side */
-  MpmSettingsRefuseIf(!strcmp(request->task, "run") && request->weights &&
-                          !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)),
-                      settings, "weights", "allowed: with basis linear and boundary periodic");
+  PetscCall(Check(at_last, settings, scene, request));
   PetscCall(ReadOutputs(settings, scene, request));
   PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);

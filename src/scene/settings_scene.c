@@ -7,6 +7,11 @@
 #include <math.h>
 #include <string.h>
 
+/*
+   A scheme as text among the settings: in a block of the scene, or in a file of its own. Its parameters are keys of the
+   scene and options, which are known only when the scheme has been read.
+*/
+
 static const char in_scene[] = "(written in the scene)", map[] = "map_";
 
 /* Keeps a scheme that is written in the scene. */
@@ -175,14 +180,11 @@ static PetscErrorCode KeepOption(MpmSettings *settings, const char before[], con
 {
   char        key[64], place[MPM_PLACE_TEXT];
   const char *text;
-  PetscBool   given;
 
   PetscFunctionBegin;
-  (void)snprintf(key, sizeof key, "-%s%s", before, name);
-  PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
-  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsPlace(key + 1, text, place));
-  PetscCall(KeepSaid(settings, key + 1, text ? text : "", place[0] ? MPM_FROM_OUTSIDE : MPM_FROM_COMMAND_LINE, 0));
+  (void)snprintf(key, sizeof key, "%s%s", before, name);
+  PetscCall(MpmSettingsFind(before, name, &text, place));
+  if (text) PetscCall(KeepSaid(settings, key, text, place[0] ? MPM_FROM_OUTSIDE : MPM_FROM_COMMAND_LINE, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -285,7 +287,7 @@ PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], Pe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads a scene: a YAML mapping of option names to values, and an 'expect' block. */
+/* ---- the scene ---- */
 
 static int Line(const yaml_node_t *node)
 {

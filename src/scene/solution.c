@@ -4,6 +4,20 @@
 #include <math.h>
 #include <string.h>
 
+/*
+   A gas at constant temperature, p = c^2 rho, in one dimension. Particles start at regular places with the density of
+   their place, so that F is 1 there (MpmMaterial).
+
+   simple_wave: v = V(x - (v + c) t), rho = exp(v / c), V = A sin(2 pi x / L). It steepens to a shock at t = L / (2 pi A).
+
+   shock_tube: at rest, of density 1 left of the middle and 1/8 right of it. A rarefaction runs to the left and a shock to
+   the right, and between them density rho* and velocity u* satisfy
+
+     u* = c ln(1 / rho*) = c (rho* - ratio) / sqrt(rho* ratio),     shock speed c sqrt(rho* / ratio)
+
+   R. J. LeVeque, Finite Volume Methods for Hyperbolic Problems (2002), section 14.5 and exercise 13.5.
+*/
+
 #define NEWTON_STEPS 50
 #define RATIO 0.125 /* of the densities in the shock tube */
 
@@ -399,7 +413,7 @@ static const MpmSolution vortex = {.initial   = MPM_INITIAL_VORTEX,
                                    .end       = Forever,
                                    .check     = VortexCheck};
 
-/* The list of the exact solutions at finite strain, and what they have in common. */
+/* ---- all of them ---- */
 
 static const MpmSolution *const solutions[] = {&manufactured_bar, &vortex, &simple_wave, &shock_tube};
 

@@ -9,7 +9,7 @@
 #include "io/checkpoint.h"
 #include "io/mode_file.h"
 #include "io/output.h"
-#include "task/run_files.h"
+#include "task/task.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <string.h>
@@ -90,11 +90,7 @@ static PetscErrorCode WriteRow(const MpmRun *run, const MpmMarch *march, const M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   What the task run does beside the march: it reads a checkpoint or an eigenmode at the start, writes rows of CSV,
-   output steps and checkpoints, and gives all files their names at the end. The checkpoint of the last step is written
-   after the other files; if it exists, so do they.
-*/
+/* ---- all files ---- */
 
 typedef struct {
   const MpmScene   *scene;

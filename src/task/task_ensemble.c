@@ -67,8 +67,6 @@ static PetscErrorCode WriteCsv(const MpmEnsemble *e)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The task ensemble: mpmstab ensemble [SCENE.yaml] [-option value]... */
-
 PetscErrorCode MpmTaskEnsemble(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmExpect    expect = request->expect;

@@ -7,7 +7,6 @@
 #include "scene/fields.h"
 #include "scheme/language.h"
 #include "task/task.h"
-#include "task/texts.h"
 #include <jansson.h>
 #include <math.h>
 #include <slepcsys.h>
@@ -99,7 +98,7 @@ static void PrintCompletion(PetscBool zsh)
     PrintBash();
 }
 
-/* The man page, from the lists of tasks and options. Source of the macros: man(7). */
+/* ---- the man page. Source of the macros: man(7) ---- */
 
 /* Text as roff takes it: a backslash begins an escape, a dash is a minus, and a dot or a quote begins a request. */
 static void Put(const char text[])
@@ -290,7 +289,7 @@ static PetscErrorCode PrintSchema(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The task list: mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|scope|codes] */
+/* ---- the task ---- */
 
 /* A line of a list whose parts have a name, a summary and a source. */
 #define LIST(function, list)                                                                                           \

@@ -184,8 +184,6 @@ static PetscErrorCode WriteOutput(const MpmStabilityMap *map)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The task map: mpmstab map [SCENE.yaml | -program COMMAND | -plugin FILE] [-option value]... */
-
 PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmExpect        expect = request->expect;

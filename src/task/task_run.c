@@ -3,7 +3,6 @@
 #include "march/partition.h"
 #include "report/report.h"
 #include "symbol/predict.h"
-#include "task/run_files.h"
 #include "task/task.h"
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -54,8 +53,6 @@ static void Tangents(json_t *run, const MpmTangents *t)
              t->space.sizes.scheme->basis->hat ? "slope, which perturbations must not reach" : "curvature", t->room);
   MpmPrint("  memory: %.3g MB for the tangents of a window\n", 1e-6 * t->bytes);
 }
-
-/* The report of a run. Keys of JSON are a contract; one that is absent was not computed. */
 
 /* Prints a number. One that is out of range is described as such, not printed as inf. */
 static void PrintNumber(PetscReal value)
@@ -346,8 +343,6 @@ static PetscErrorCode Report(const MpmRun *run)
   PetscCall(MpmResultEnd(run->request, run->wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
-
-/* The task run: mpmstab run [SCENE.yaml] [-option value]... */
 
 static void PrintStopped(const MpmRun *run, const MpmRequest *request)
 {

@@ -3,7 +3,6 @@
 #include "base/textfile.h"
 #include "io/matrix_file.h"
 #include "io/mode_file.h"
-#include "io/symbol_files.h"
 #include "linalg/eigen.h"
 #include "probe/certificates.h"
 #include "report/report.h"
@@ -85,7 +84,7 @@ static void Transient(json_t *result, const MpmSpectrum *s)
     MpmPrint("transient: none, the operator's numbers leave the range of doubles\n");
 }
 
-/* The report of the task spectrum. */
+/* ---- the report ---- */
 
 static void Symbol(json_t *result, const MpmSpectrum *s)
 {
@@ -235,7 +234,7 @@ void MpmSpectrumReport(json_t *result, const MpmScene *scene, const MpmRequest *
   if (s) Cost(MpmResultIn(result, "spectrum"), s);
 }
 
-/* Writes eigenvalues, modes, the symbol's curves and transient growth as HDF5, and eigenvalues as CSV. */
+/* ---- files: eigenvalues, modes, the symbol's curves and transient growth ---- */
 
 static PetscErrorCode WriteEigenvalues(const MpmSpectrum *s, const MpmModes *modes, MpmDataFile *file)
 {
@@ -331,7 +330,7 @@ PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
+/* ---- the task ---- */
 
 /* The spectrum of the matrix in a file. */
 static PetscErrorCode OfFile(const MpmRequest *request, PetscReal started, MpmCertificates *certificates,

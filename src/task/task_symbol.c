@@ -4,11 +4,95 @@
 #include "analysis/damping.h"
 #include "analysis/refined.h"
 #include "base/textfile.h"
-#include "io/blocks_file.h"
-#include "io/symbol_files.h"
+#include "io/matrix_file.h"
 #include "report/report.h"
 #include "task/task.h"
 #include <math.h>
+
+/* The phases of a symbol and its curves over them. The first rank has those that the ranks have computed. */
+typedef struct {
+  PetscInt    n;
+  const char *name[4];
+  PetscReal  *beta, *at[4];
+} Curves;
+
+static PetscErrorCode MakeCurves(MPI_Comm comm, const MpmSymbol *s, const MpmPredictor *p, Curves *c)
+{
+  const PetscReal *const computed[]                                                = {s->per_phase, s->without_null};
+  PetscReal (*const formula[])(const MpmPredictor *, PetscReal, const PetscReal[]) = {MpmPredictorPublished,
+                                                                                      MpmPredictorCorrected};
+  PetscReal *growth;
+  PetscBool  conjugate;
+
+  PetscFunctionBegin;
+  *c = (Curves){.n = 0};
+  PetscCall(PetscMalloc1(s->dim * s->all, &c->beta));
+  for (PetscInt m = 0; m < s->all; m++) MpmSymbolBeta(s, m, c->beta + s->dim * m);
+  for (int k = 0; k < 2; k++) {
+    if (!computed[k]) continue;
+    PetscCall(MpmSymbolGather(comm, s, computed[k], &growth));
+    PetscCall(PetscCalloc1(s->all, &c->at[c->n]));
+    for (PetscInt m = 0; m < s->all && !MpmRankOf(comm); m++) c->at[c->n][m] = growth[MpmSymbolClass(s, m, &conjugate)];
+    c->name[c->n++] = k ? "growth_seen" : "growth";
+    PetscCall(PetscFree(growth));
+  }
+  for (int k = 0; k < 2 && p; k++) {
+    PetscCall(PetscMalloc1(s->all, &c->at[c->n]));
+    for (PetscInt m = 0; m < s->all; m++) c->at[c->n][m] = formula[k](p, s->step.courant, c->beta + s->dim * m);
+    c->name[c->n++] = k ? "corrected" : "published";
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FreeCurves(Curves *c)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < c->n; k++) PetscCall(PetscFree(c->at[k]));
+  PetscCall(PetscFree(c->beta));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolWrite(const MpmSymbol *s, const MpmPredictor *p, MpmDataFile *file)
+{
+  PetscReal *factors;
+  Curves     curves;
+
+  PetscFunctionBegin;
+  PetscCall(MakeCurves(file->hdf5.comm, s, p, &curves));
+  PetscCall(MpmDataFileArray(file, "/symbol", "beta", s->all, s->dim, curves.beta));
+  for (PetscInt k = 0; k < curves.n; k++)
+    PetscCall(MpmDataFileArray(file, "/symbol", curves.name[k], s->all, 1, curves.at[k]));
+  PetscCall(FreeCurves(&curves));
+  if (!s->factors) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSymbolGatherFactors(file->hdf5.comm, s, 0, &factors));
+  PetscCall(MpmDataFileArray(file, "/symbol", "factors", s->all, 2 * s->size, factors));
+  PetscCall(PetscFree(factors));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *s, const MpmPredictor *p, const char path[])
+{
+  static const char *const names[MPM_MAX_DIM] = {"beta", "beta_x,beta_y", "beta_x,beta_y,beta_z"};
+  const PetscInt           rows               = s->dim == 1 ? s->classes : s->all;
+  Curves                   curves;
+  MpmTextFile              csv;
+
+  PetscFunctionBegin;
+  PetscCall(MakeCurves(PETSC_COMM_WORLD, s, p, &curves));
+  PetscCall(MpmTextFileOpen(path, &csv));
+  if (csv.stream) {
+    fprintf(csv.stream, "%s", names[s->dim - 1]);
+    for (PetscInt k = 0; k < curves.n; k++) fprintf(csv.stream, ",%s", curves.name[k]);
+    for (PetscInt m = 0; m < rows; m++) {
+      for (PetscInt a = 0; a < s->dim; a++) fprintf(csv.stream, "%s%.17g", a ? "," : "\n", curves.beta[s->dim * m + a]);
+      for (PetscInt k = 0; k < curves.n; k++) MpmTextFileCell(&csv, curves.at[k][m]);
+    }
+    fprintf(csv.stream, "\n");
+  }
+  PetscCall(MpmTextFileClose(&csv));
+  PetscCall(FreeCurves(&curves));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 #define ROUNDING 1e-12 /* decay of less per unit of time h / c is rounding */
 #define STANDS -1      /* the error of the frequency of a wave that does not travel */
@@ -107,7 +191,7 @@ static PetscErrorCode WriteDamping(const MpmDamping *d, MpmDataFile *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE | -program COMMAND | -plugin FILE] [-option value]... */
+/* ---- the task ---- */
 
 /* What is said of a scene. refined, damping: NULL where they are not asked for. */
 typedef struct {

@@ -5,7 +5,6 @@
 #include "check.h"
 #include "analysis/spectrum.h"
 #include "task/task.h"
-#include "task/run_files.h"
 
 #define FILE_NAME "test_modes.h5"
 
