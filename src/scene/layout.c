@@ -71,12 +71,7 @@ PetscErrorCode MpmSettingsReadShape(const MpmSettings *settings, MpmScene *scene
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsWord(settings, "shape", &shape));
-  if (shape == BOX) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!scene->scheme.space.finite || l->dim == 1) {
-    PetscCall(
-        MpmSettingsRefuseUnless(settings, "shape", "kinematics,dim", "allowed: with kinematics finite and dim 2 or 3"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  if (shape == BOX || !scene->scheme.space.finite || l->dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
   l->nspans = FindSpans(scene, (Shape)shape, NULL, &l->particles);
   MpmSettingsRefuseIf(!l->particles, settings, "shape",
                       "no particle is inside; allowed: more cells, or a larger domain");

@@ -100,8 +100,6 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
   PetscCall(MpmSettingsWord(settings, "kinematics", &word));
   scene->scheme.space.finite = word ? PETSC_TRUE : PETSC_FALSE;
   if (!word) {
-    PetscCall(MpmSettingsRefuseUnless(settings, "gravity", "kinematics", "allowed: only with kinematics finite"));
-    PetscCall(MpmSettingsRefuseUnless(settings, "halvings", "kinematics", "allowed: only with kinematics finite"));
     PetscCall(PetscArrayzero(scene->gravity, MPM_MAX_DIM));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -129,11 +127,7 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
   PetscBool moves = PETSC_FALSE;
 
   PetscFunctionBegin;
-  if (!MpmSettingsIsAlso(settings, "courant")) {
-    PetscCall(MpmSettingsRefuseUnless(settings, "safety", "courant", "allowed: only with courant auto"));
-    PetscCall(MpmSettingsRefuseUnless(settings, "step_bound", "courant", "allowed: only with courant auto"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  if (!MpmSettingsIsAlso(settings, "courant")) PetscFunctionReturn(PETSC_SUCCESS);
   scene->safety = less ? SAFETY_LESS : SAFETY;
   if (MpmSettingsGiven(settings, "safety")) PetscCall(MpmSettingsReal(settings, "safety", &scene->safety));
   MpmSettingsRefuseIf(!scene->scheme.space.finite, settings, "courant",

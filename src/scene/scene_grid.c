@@ -50,7 +50,6 @@ static PetscErrorCode CheckComplete(const MpmSettings *settings, const MpmScene 
 /* A formulation without a stress, in more than one dimension, has a bulk modulus at most. */
 static PetscErrorCode CheckStress(const MpmSettings *settings, const MpmScene *scene, const char modulus[])
 {
-
   PetscFunctionBegin;
   if (scene->layout.dim == 1 || MpmSceneHasPoisson(scene)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsRefuse(settings, modulus,
@@ -318,14 +317,6 @@ static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
 
 /* ---- layout ---- */
 
-/* Refuses an option of one dimension where there are more. */
-static PetscErrorCode OneDimensional(const MpmSettings *settings, const MpmScene *scene, const char option[])
-{
-  PetscFunctionBegin;
-  if (scene->layout.dim > 1) PetscCall(MpmSettingsRefuseUnless(settings, option, "dim", "allowed: only with dim 1"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* With counts, ppc is the number of particles in the fullest cell. */
 static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
 {
@@ -334,7 +325,7 @@ static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
   PetscInt64 ppc[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(OneDimensional(settings, scene, "counts"));
+  if (l->dim > 1) PetscCall(MpmSettingsRefuseUnless(settings, "counts", "dim", "allowed: only with dim 1"));
   c->n = 1;
   if (MpmSettingsGiven(settings, "counts") && l->dim == 1)
     PetscCall(MpmSettingsList(settings, "counts", MPM_MAX_COUNTS, &c->n, c->of));
@@ -372,7 +363,6 @@ static PetscErrorCode ReadLayout(const MpmSettings *settings, MpmScene *scene)
   for (PetscInt a = 0; a < l->dim; a++) l->half_width[a] = 0.5 / l->ppc[a];
   MpmSettingsRefuseIf(l->counts.n > 1 && scene->scheme.basis->wide, settings, "counts",
                       "particles of different width; allowed: with another basis than gimp, or ppc");
-  PetscCall(OneDimensional(settings, scene, "cluster"));
   MpmSettingsRefuseIf(!(l->cluster[0] >= 0 && l->cluster[1] <= 1), settings, "cluster",
                       "allowed: a part lo,hi of a cell, 0 <= lo <= hi <= 1");
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -241,8 +241,6 @@ static PetscErrorCode FromFinite(const MpmSettings *settings, MpmScene *scene)
   PetscReal      F[MPM_MOST_STRETCH] = {0}, modulus;
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsRefuseUnless(settings, "prestress", "kinematics",
-                                    "with kinematics finite material and stretch give it; allowed: one of the two"));
   PetscCall(PetscArrayzero(space->prestress, PETSC_STATIC_ARRAY_LENGTH(space->prestress)));
   if (scene->law->solid) PetscCall(SetRatio(settings, scene));
   space->material = MpmMaterialOfRatio(scene->law, scene->law->solid ? scene->lame_ratio : 0, scene->exponent);
@@ -256,30 +254,6 @@ static PetscErrorCode FromFinite(const MpmSettings *settings, MpmScene *scene)
   MpmSettingsRefuseIf(!(modulus > 0) || !isfinite(modulus), settings, "stretch", stiff);
   space->stiffness = 1 / modulus;
   scene->wave_speed *= sqrt(modulus);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Refuses numbers that the material of the scene does not read. */
-static PetscErrorCode CheckNumbers(const MpmSettings *settings, const MpmScene *scene)
-{
-  const MpmLaw   *law    = scene->law;
-  const PetscBool finite = scene->scheme.space.finite;
-  const char     *why    = NULL;
-
-  PetscFunctionBegin;
-  if (finite && !law->solid)
-    why = "it is a fluid; allowed: only with a solid";
-  else if (!finite && law != &MpmLawNeo)
-    why = "allowed: only with material neo";
-  else if (!finite && scene->layout.dim > 1)
-    why = "poisson says it with dim 2 or 3; allowed: only with dim 1";
-  if (why) PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", "material", why));
-  if (law == &MpmLawLinear && !finite)
-    PetscCall(MpmSettingsRefuseUnless(settings, "stretch", "material",
-                                      "allowed: only with material neo, svk, tait, gas or polytropic"));
-  if (!(law->exponent > 0))
-    PetscCall(
-        MpmSettingsRefuseUnless(settings, "exponent", "material", "allowed: only with material tait or polytropic"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -297,7 +271,6 @@ PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
   MpmSettingsRefuseIf(!finite && scene->law->plastic, settings, "material",
                       "it flows, and a linear scheme is about a state that does not; allowed: with kinematics finite");
   PetscCall(ReadPlastic(settings, scene));
-  PetscCall(CheckNumbers(settings, scene));
   if (scene->law->exponent > 0 && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law->exponent;
   MpmSettingsRefuseIf(!finite && scene->law != &MpmLawLinear &&
                           MpmSettingsSource(settings, "prestress") != MPM_FROM_DEFAULT,

@@ -136,14 +136,40 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
    MpmSettingsStands       - whether an option was given, and has not lost its sense because a stronger source has given one
                              of others, whose names have commas between them; not collective
    MpmSettingsRefuseUnless - refuses one that stands so
-   MpmSettingsRefuseAny    - refuses each of a list that was given by a source that is as strong as least
 
    Collective.
 */
 PetscBool      MpmSettingsStands(const MpmSettings *settings, const char key[], const char by[]);
 PetscErrorCode MpmSettingsRefuseUnless(const MpmSettings *settings, const char key[], const char by[],
                                        const char why[]);
-PetscErrorCode MpmSettingsRefuseAny(const MpmSettings *settings, MpmOrigin least, const char names[], const char why[]);
+
+/*S
+   MpmRule - what does not go together, as data: options that are refused when a condition holds.
+
+   options - their names, with commas between them
+   by      - those that have stood in the way: a stronger source than the option's own takes its sense away (as in
+             MpmSettingsRefuseUnless); NULL: it is refused where a source gave it that is as strong as least
+   when    - the condition; of rules of a scene request is NULL. NULL: always
+   why     - the sentence of the refusal
+S*/
+typedef struct {
+  const char *options, *by;
+  MpmOrigin   least;
+  PetscBool (*when)(const MpmScene *scene, const MpmRequest *request);
+  const char *why;
+} MpmRule;
+
+/* Defines a condition of rules. */
+#define MPM_WHEN(function, condition)                                                                                  \
+  static PetscBool function(const MpmScene *s, const MpmRequest *r)                                                    \
+  {                                                                                                                    \
+    (void)s, (void)r;                                                                                                  \
+    return (condition) ? PETSC_TRUE : PETSC_FALSE;                                                                     \
+  }
+
+/* Collective. Refuses what rules say; the last one has no options. */
+PetscErrorCode MpmSettingsCheckRules(const MpmSettings *settings, const MpmRule rules[], const MpmScene *scene,
+                                     const MpmRequest *request);
 
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value

@@ -80,13 +80,20 @@ PetscErrorCode MpmSettingsRefuseUnless(const MpmSettings *settings, const char k
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsRefuseAny(const MpmSettings *settings, MpmOrigin least, const char names[], const char why[])
+PetscErrorCode MpmSettingsCheckRules(const MpmSettings *settings, const MpmRule rules[], const MpmScene *scene,
+                                     const MpmRequest *request)
 {
   char name[PART];
 
   PetscFunctionBegin;
-  while (names && *names && NextPart(&names, name))
-    MpmSettingsRefuseIf(MpmSettingsSource(settings, name) >= least, settings, name, "%s", why);
+  for (const MpmRule *rule = rules; rule->options; rule++) {
+    const char *names = rule->when && !rule->when(scene, request) ? NULL : rule->options;
+
+    while (names && *names && NextPart(&names, name))
+      MpmSettingsRefuseIf(rule->by ? MpmSettingsStands(settings, name, rule->by)
+                                   : MpmSettingsSource(settings, name) >= rule->least,
+                          settings, name, "%s", rule->why);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -165,23 +165,24 @@ static const char *const spans[] = {"map_courant", "map_drift",       "map_offse
 static const char *const replaced[] = {"courant,dt", "drift,velocity,mach", "offset", "ppc", "poisson",
                                        "",           "mach,velocity,drift"};
 
-/* In more dimensions than one the scene's drift, or mach, still says along which axes the map's goes. */
+/* In more dimensions than one the first of these, drift or mach, still says along which axes the map's goes, and stays. */
 static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene *scene, PetscInt kind)
 {
-  const char *names = replaced[kind];
-  char        why[128];
+  const PetscBool rest =
+      scene->layout.dim > 1 && (kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH) ? PETSC_TRUE : PETSC_FALSE;
+  const char   *names = rest ? strchr(replaced[kind], ',') + 1 : replaced[kind];
+  char          why[128];
+  const MpmRule rule[] = {{names, NULL, MPM_FROM_COMMAND_LINE, NULL, why}, {NULL, NULL, MPM_FROM_DEFAULT, NULL, NULL}};
 
   PetscFunctionBegin;
   (void)snprintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]);
-  if (scene->layout.dim > 1 && (kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH)) names = strchr(names, ',') + 1;
-  PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, names, why));
+  PetscCall(MpmSettingsCheckRules(settings, rule, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* An axis of particles per cell has every number between its ends; the default number of points does not count. */
 static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, MpmAxis *axis)
 {
-
   PetscFunctionBegin;
   MpmSettingsRefuseIf(axis->from.den != 1 || axis->to.den != 1, settings, "map_ppc",
                       "allowed: two whole numbers lo,hi");
@@ -298,46 +299,15 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
 
 /* ---- files ---- */
 
-/* The file with the eigenmode that a run starts from; the tasks that do not march leave initial data alone. */
-static PetscErrorCode CheckModeFile(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
-{
-  const PetscBool wanted = scene->initial == MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
-
-  PetscFunctionBegin;
-  if (!Is(request, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(!wanted || request->mode_file[0],
-                "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
-  if (!wanted && request->mode_file[0])
-    PetscCall(MpmSettingsRefuseUnless(settings, "mode_file", "initial", "allowed: only with initial eigenmode"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Steps between two outputs or checkpoints of a run: as many as the run has when the option is not given. */
-static PetscErrorCode CheckEvery(const MpmSettings *settings, const char name[], const char file[], const char path[],
-                                 const MpmRequest *request, PetscInt64 *every)
-{
-
-  PetscFunctionBegin;
-  if (!Is(request, "run") || !MpmSettingsGiven(settings, name))
-    *every = request->steps;
-  else if (!path[0]) {
-    PetscCall(MpmSettingsRefuse(settings, name, "allowed: only with %s", file));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+/* A run writes its last step where it is not said how many steps there are between two outputs or checkpoints. */
+static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmRequest *request)
 {
   PetscBool progress;
 
   PetscFunctionBegin;
-  if (scene) PetscCall(CheckModeFile(settings, scene, request));
   PetscCall(MpmSettingsReadFiles(settings, request));
-  PetscCall(CheckEvery(settings, "output_every", "output", request->output, request, &request->output_every));
-  PetscCall(
-      CheckEvery(settings, "checkpoint_every", "checkpoint", request->checkpoint, request, &request->checkpoint_every));
-  MpmSettingsRefuseIf(request->output[0] && scene && scene->layout.particles > PETSC_MAX_INT / 3, settings, "output",
-                      "too many particles for it; allowed: at most 715827882");
+  if (!MpmSettingsGiven(settings, "output_every")) request->output_every = request->steps;
+  if (!MpmSettingsGiven(settings, "checkpoint_every")) request->checkpoint_every = request->steps;
   if (MpmSettingsGiven(settings, "progress")) {
     PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
     request->progress = progress ? MPM_PROGRESS_ALWAYS : MPM_PROGRESS_NEVER;
@@ -384,7 +354,6 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
 /* ---- what does not go together ---- */
 
 /* clang-format off */
-#define WHEN(function, condition) static PetscBool function(const MpmScene *s, const MpmRequest *r) { (void)s, (void)r; return (condition) ? PETSC_TRUE : PETSC_FALSE; }
 #define VARIES(axis) MpmRequestVaries(r, MPM_AXIS_##axis)
 #define SEES(where)  r->neighbourhood[MPM_##where]
 
@@ -395,93 +364,84 @@ static PetscBool IsBeyondBulk(const MpmRequest *r)
   return PETSC_FALSE;
 }
 
-WHEN(ChoosesElsewhere, s->safety > 0 && !Is(r, "run"))
-WHEN(NeedsLinear, s->scheme.space.finite && !Is(r, "run") && !Is(r, "spectrum"))
-WHEN(LooksAtLinear, s->scheme.space.finite && (r->weights || r->source_term || r->ringing))
-WHEN(OfFrozen, s->scheme.space.finite && Is(r, "spectrum"))
-WHEN(OfLinear, !s->scheme.space.finite && Is(r, "spectrum"))
-WHEN(WithoutTangent, !r->tangent)
-WHEN(FollowsTooMany, (PetscInt64)r->exponents > (s->layout.dim + s->scheme.table->nstate) * s->layout.particles)
-WHEN(Surveys, r->survey)
-WHEN(WithoutDamping, !r->damping)
-WHEN(DampsNoWave, r->damping && Is(r, "symbol") && !s->scheme.formulation->wave)
-WHEN(DampsPrestress, r->damping && Is(r, "symbol") && s->layout.dim > 1 && MpmSpaceIsPrestressed(&s->scheme.space))
-WHEN(SurveysAtMach, r->survey && r->at_mach)
-WHEN(TurnsMach, r->at_mach && VARIES(DRIFT_ANGLE) && VARIES(COURANT))
+MPM_WHEN(ChoosesElsewhere, s->safety > 0 && !Is(r, "run"))
+MPM_WHEN(NeedsLinear, s->scheme.space.finite && !Is(r, "run") && !Is(r, "spectrum"))
+MPM_WHEN(LooksAtLinear, s->scheme.space.finite && (r->weights || r->source_term || r->ringing))
+MPM_WHEN(OfFrozen, s->scheme.space.finite && Is(r, "spectrum"))
+MPM_WHEN(OfLinear, !s->scheme.space.finite && Is(r, "spectrum"))
+MPM_WHEN(WithoutTangent, !r->tangent)
+MPM_WHEN(FollowsTooMany, (PetscInt64)r->exponents > (s->layout.dim + s->scheme.table->nstate) * s->layout.particles)
+MPM_WHEN(Surveys, r->survey)
+MPM_WHEN(WithoutDamping, !r->damping)
+MPM_WHEN(DampsNoWave, r->damping && Is(r, "symbol") && !s->scheme.formulation->wave)
+MPM_WHEN(DampsPrestress, r->damping && Is(r, "symbol") && s->layout.dim > 1 && MpmSpaceIsPrestressed(&s->scheme.space))
+MPM_WHEN(SurveysAtMach, r->survey && r->at_mach)
+MPM_WHEN(TurnsMach, r->at_mach && VARIES(DRIFT_ANGLE) && VARIES(COURANT))
 /* a map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself */
-WHEN(KeepsDrift, VARIES(COURANT) && !VARIES(DRIFT) && !VARIES(MACH) && MpmSceneDrifts(s))
+MPM_WHEN(KeepsDrift, VARIES(COURANT) && !VARIES(DRIFT) && !VARIES(MACH) && MpmSceneDrifts(s))
 /* the limit is sought at one drift, too; it must not be that of the default Courant number */
-WHEN(HasNoDrift, Is(r, "critical") && !MpmSceneHasStep(s))
-WHEN(HasNoPoisson, VARIES(POISSON) && !MpmSceneHasPoisson(s))
-WHEN(VariesPrestress, VARIES(POISSON) && MpmSpaceIsPrestressed(&s->scheme.space))
-WHEN(VariesPoisson, VARIES(POISSON))
-WHEN(TurnsOnLine, VARIES(DRIFT_ANGLE) && s->layout.dim == 1)
-WHEN(VariesTwice, VARIES(MACH) && (VARIES(DRIFT) || VARIES(DRIFT_ANGLE)))
-WHEN(TurnsNothing, VARIES(DRIFT_ANGLE) && !VARIES(DRIFT) && s->step.drift[0].value == 0 && s->step.drift[1].value == 0)
-WHEN(SurveysBulk, r->survey && (Is(r, "critical") || Is(r, "spectrum")))
-WHEN(LimitAtMach, Is(r, "critical") && r->at_mach)
-WHEN(SurfaceOfFile, s->layout.given && IsBeyondBulk(r))
-WHEN(BeyondColliders, s->layout.colliders && IsBeyondBulk(r))
-WHEN(WithoutBulk, !SEES(IN_BULK))
-WHEN(WithoutRandom, !SEES(AT_RANDOM))
-WHEN(WithoutLayouts, !Is(r, "ensemble") && !SEES(AT_RANDOM) && !SEES(DISORDERED) && !SEES(AT_WORST))
-WHEN(WithoutWorst, !SEES(AT_WORST) && !s->layout.given)
+MPM_WHEN(HasNoDrift, Is(r, "critical") && !MpmSceneHasStep(s))
+MPM_WHEN(HasNoPoisson, VARIES(POISSON) && !MpmSceneHasPoisson(s))
+MPM_WHEN(VariesPrestress, VARIES(POISSON) && MpmSpaceIsPrestressed(&s->scheme.space))
+MPM_WHEN(VariesPoisson, VARIES(POISSON))
+MPM_WHEN(TurnsOnLine, VARIES(DRIFT_ANGLE) && s->layout.dim == 1)
+MPM_WHEN(VariesTwice, VARIES(MACH) && (VARIES(DRIFT) || VARIES(DRIFT_ANGLE)))
+MPM_WHEN(TurnsNothing, VARIES(DRIFT_ANGLE) && !VARIES(DRIFT) && s->step.drift[0].value == 0 && s->step.drift[1].value == 0)
+MPM_WHEN(SurveysBulk, r->survey && (Is(r, "critical") || Is(r, "spectrum")))
+MPM_WHEN(LimitAtMach, Is(r, "critical") && r->at_mach)
+MPM_WHEN(SurfaceOfFile, s->layout.given && IsBeyondBulk(r))
+MPM_WHEN(BeyondColliders, s->layout.colliders && IsBeyondBulk(r))
+MPM_WHEN(WithoutBulk, !SEES(IN_BULK))
+MPM_WHEN(WithoutRandom, !SEES(AT_RANDOM))
+MPM_WHEN(WithoutLayouts, !Is(r, "ensemble") && !SEES(AT_RANDOM) && !SEES(DISORDERED) && !SEES(AT_WORST))
+MPM_WHEN(WithoutWorst, !SEES(AT_WORST) && !s->layout.given)
 /* the slides define their weights for hat functions, at nodes with a cell on either side */
-WHEN(HasNoWeights, Is(r, "run") && r->weights && !(s->scheme.basis->hat && MpmSceneIsPeriodic(s)))
-
-/* Of options with commas between them those are refused that a source as strong as least has given, when a condition holds. */
-typedef struct {
-  const char *options;
-  MpmOrigin   least;
-  PetscBool (*when)(const MpmScene *scene, const MpmRequest *request);
-  const char *why;
-} Rule;
+MPM_WHEN(StartsFromNoMode, Is(r, "run") && s->initial != MPM_INITIAL_EIGENMODE && r->mode_file[0])
+MPM_WHEN(HasNoOutput, Is(r, "run") && !r->output[0])
+MPM_WHEN(HasNoCheckpoint, Is(r, "run") && !r->checkpoint[0])
+MPM_WHEN(WritesTooMany, r->output[0] && s->layout.particles > PETSC_MAX_INT / 3)
+MPM_WHEN(HasNoWeights, Is(r, "run") && r->weights && !(s->scheme.basis->hat && MpmSceneIsPeriodic(s)))
 
 /* Rules that follow from options alone, and those of axes, Mach numbers and neighbourhoods, which are read before. */
-static const Rule at_first[] = {
-  {"courant", MPM_FROM_DEFAULT, ChoosesElsewhere, "allowed with this task: a number"},
-  {"kinematics", MPM_FROM_DEFAULT, NeedsLinear, "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with material and stretch, or prestress, is about a uniform state"},
-  {"kinematics", MPM_FROM_DEFAULT, LooksAtLinear, "weights, source_term and ringing are of the linear step; allowed: without them"},
-  {"measure,nodal,neighbourhood,modes", MPM_FROM_SCENE, OfFrozen, "it is of a linear step; allowed: with kinematics linear"},
-  {"initial,mode,polarisation,amplitude,gravity,at_step", MPM_FROM_COMMAND_LINE, OfLinear, "the spectrum of a linear step does not depend on it; allowed: with task run, or with kinematics finite"},
-  {"window,exponents,warn_above", MPM_FROM_SCENE, WithoutTangent, "nothing reads it here; allowed: with tangent"},
-  {"exponents", MPM_FROM_DEFAULT, FollowsTooMany, "allowed: no more than places and fields of all particles"},
-  {"formulation,scheme,basis,transfer,courant,dt,expect,expect_critical,json", MPM_FROM_COMMAND_LINE, Surveys, "a survey goes through all schemes; allowed: without survey"},
-  {"damping_divisors", MPM_FROM_COMMAND_LINE, WithoutDamping, "allowed: only with damping"},
-  {"damping", MPM_FROM_DEFAULT, DampsNoWave, "the formulation names no continuous problem whose waves could be followed; allowed: a formulation with an exact solution"},
-  {"damping", MPM_FROM_DEFAULT, DampsPrestress, "waves about a prestressed state have no exact solution here; allowed: with dim 1, or without a prestress"},
+static const MpmRule at_first[] = {
+  {"courant", NULL, MPM_FROM_DEFAULT, ChoosesElsewhere, "allowed with this task: a number"},
+  {"kinematics", NULL, MPM_FROM_DEFAULT, NeedsLinear, "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with material and stretch, or prestress, is about a uniform state"},
+  {"kinematics", NULL, MPM_FROM_DEFAULT, LooksAtLinear, "weights, source_term and ringing are of the linear step; allowed: without them"},
+  {"measure,nodal,neighbourhood,modes", NULL, MPM_FROM_SCENE, OfFrozen, "it is of a linear step; allowed: with kinematics linear"},
+  {"initial,mode,polarisation,amplitude,gravity,at_step", NULL, MPM_FROM_COMMAND_LINE, OfLinear, "the spectrum of a linear step does not depend on it; allowed: with task run, or with kinematics finite"},
+  {"window,exponents,warn_above", NULL, MPM_FROM_SCENE, WithoutTangent, "nothing reads it here; allowed: with tangent"},
+  {"exponents", NULL, MPM_FROM_DEFAULT, FollowsTooMany, "allowed: no more than places and fields of all particles"},
+  {"formulation,scheme,basis,transfer,courant,dt,expect,expect_critical,json", NULL, MPM_FROM_COMMAND_LINE, Surveys, "a survey goes through all schemes; allowed: without survey"},
+  {"damping_divisors", NULL, MPM_FROM_COMMAND_LINE, WithoutDamping, "allowed: only with damping"},
+  {"damping", NULL, MPM_FROM_DEFAULT, DampsNoWave, "the formulation names no continuous problem whose waves could be followed; allowed: a formulation with an exact solution"},
+  {"damping", NULL, MPM_FROM_DEFAULT, DampsPrestress, "waves about a prestressed state have no exact solution here; allowed: with dim 1, or without a prestress"},
   {NULL}},
 at_last[] = {
-  {"map_axes", MPM_FROM_DEFAULT, HasNoPoisson, "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"},
-  {"map_axes", MPM_FROM_DEFAULT, VariesPrestress, "the prestress is of one Poisson's ratio; allowed: other axes"},
-  {"young,bulk", MPM_FROM_SCENE, VariesPoisson, "the map varies Poisson's ratio, and with it the wave speed of a modulus would change; allowed: sound_speed"},
-  {"map_axes", MPM_FROM_DEFAULT, TurnsOnLine, "allowed: drift_angle only with dim 2 or 3"},
-  {"map_axes", MPM_FROM_DEFAULT, VariesTwice, "mach makes the drift; allowed: mach with another axis"},
-  {"map_axes", MPM_FROM_DEFAULT, TurnsNothing, "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a drift such as 1/8,0"},
-  {"velocity", MPM_FROM_SCENE, KeepsDrift, "the Courant number is varied at a fixed drift, and with it the drift of a velocity would change; allowed: drift or mach"},
-  {"velocity", MPM_FROM_SCENE, HasNoDrift, "how many cells particles move per step depends on the time step; allowed: with dt or courant, or drift"},
-  {"mach", MPM_FROM_SCENE, SurveysAtMach, "a survey keeps the drift; allowed: drift, or without survey"},
-  {"mach", MPM_FROM_SCENE, TurnsMach, "a map that turns the drift keeps its size; allowed: drift"},
-  {"neighbourhood", MPM_FROM_SCENE, SurveysBulk, "a survey is of the bulk; allowed: without survey"},
-  {"neighbourhood", MPM_FROM_SCENE, LimitAtMach, "at a Mach number the search is of the bulk; allowed: drift"},
-  {"neighbourhood", MPM_FROM_DEFAULT, SurfaceOfFile, "the layout of a file has its own surfaces; allowed: bulk, or layout uniform"},
-  {"neighbourhood", MPM_FROM_DEFAULT, BeyondColliders, "colliders stand in the grid of the scene; allowed: bulk"},
-  {"csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix", MPM_FROM_COMMAND_LINE, WithoutBulk, "it is of the bulk; allowed: with neighbourhood bulk"},
-  {"voids", MPM_FROM_COMMAND_LINE, WithoutRandom, "allowed: with neighbourhood random"},
-  {"layouts", MPM_FROM_COMMAND_LINE, WithoutLayouts, "allowed: with neighbourhood random, disordered or worst"},
-  {"write_layout", MPM_FROM_COMMAND_LINE, WithoutWorst, "allowed: with neighbourhood worst, or with layout FILE or random"},
-  {"weights", MPM_FROM_DEFAULT, HasNoWeights, "allowed: with basis linear and boundary periodic"},
+  {"map_axes", NULL, MPM_FROM_DEFAULT, HasNoPoisson, "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"},
+  {"map_axes", NULL, MPM_FROM_DEFAULT, VariesPrestress, "the prestress is of one Poisson's ratio; allowed: other axes"},
+  {"young,bulk", NULL, MPM_FROM_SCENE, VariesPoisson, "the map varies Poisson's ratio, and with it the wave speed of a modulus would change; allowed: sound_speed"},
+  {"map_axes", NULL, MPM_FROM_DEFAULT, TurnsOnLine, "allowed: drift_angle only with dim 2 or 3"},
+  {"map_axes", NULL, MPM_FROM_DEFAULT, VariesTwice, "mach makes the drift; allowed: mach with another axis"},
+  {"map_axes", NULL, MPM_FROM_DEFAULT, TurnsNothing, "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a drift such as 1/8,0"},
+  {"velocity", NULL, MPM_FROM_SCENE, KeepsDrift, "the Courant number is varied at a fixed drift, and with it the drift of a velocity would change; allowed: drift or mach"},
+  {"velocity", NULL, MPM_FROM_SCENE, HasNoDrift, "how many cells particles move per step depends on the time step; allowed: with dt or courant, or drift"},
+  {"mach", NULL, MPM_FROM_SCENE, SurveysAtMach, "a survey keeps the drift; allowed: drift, or without survey"},
+  {"mach", NULL, MPM_FROM_SCENE, TurnsMach, "a map that turns the drift keeps its size; allowed: drift"},
+  {"neighbourhood", NULL, MPM_FROM_SCENE, SurveysBulk, "a survey is of the bulk; allowed: without survey"},
+  {"neighbourhood", NULL, MPM_FROM_SCENE, LimitAtMach, "at a Mach number the search is of the bulk; allowed: drift"},
+  {"neighbourhood", NULL, MPM_FROM_DEFAULT, SurfaceOfFile, "the layout of a file has its own surfaces; allowed: bulk, or layout uniform"},
+  {"neighbourhood", NULL, MPM_FROM_DEFAULT, BeyondColliders, "colliders stand in the grid of the scene; allowed: bulk"},
+  {"csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix", NULL, MPM_FROM_COMMAND_LINE, WithoutBulk, "it is of the bulk; allowed: with neighbourhood bulk"},
+  {"voids", NULL, MPM_FROM_COMMAND_LINE, WithoutRandom, "allowed: with neighbourhood random"},
+  {"layouts", NULL, MPM_FROM_COMMAND_LINE, WithoutLayouts, "allowed: with neighbourhood random, disordered or worst"},
+  {"write_layout", NULL, MPM_FROM_COMMAND_LINE, WithoutWorst, "allowed: with neighbourhood worst, or with layout FILE or random"},
+  {"weights", NULL, MPM_FROM_DEFAULT, HasNoWeights, "allowed: with basis linear and boundary periodic"},
+  {"mode_file", "initial", MPM_FROM_SCENE, StartsFromNoMode, "allowed: only with initial eigenmode"},
+  {"output_every", NULL, MPM_FROM_SCENE, HasNoOutput, "allowed: only with output"},
+  {"checkpoint_every", NULL, MPM_FROM_SCENE, HasNoCheckpoint, "allowed: only with checkpoint"},
+  {"output", NULL, MPM_FROM_SCENE, WritesTooMany, "too many particles for it; allowed: at most 715827882"},
   {NULL}};
 /* clang-format on */
-
-static PetscErrorCode Check(const Rule rules[], const MpmSettings *settings, const MpmScene *scene,
-                            const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  for (const Rule *rule = rules; rule->options; rule++)
-    if (rule->when(scene, request)) PetscCall(MpmSettingsRefuseAny(settings, rule->least, rule->options, rule->why));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* An exact solution that ends before the run does would be wrong. */
 static PetscErrorCode CheckSolution(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
@@ -510,7 +470,7 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   request->nodal_asked = MpmSettingsGiven(settings, "nodal");
   if (!request->nodal_asked)
     request->nodal = scene->layout.particles * scene->scheme.table->nstate >= NODAL_FROM ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(Check(at_first, settings, scene, request));
+  PetscCall(MpmSettingsCheckRules(settings, at_first, scene, request));
   if (request->tangent) PetscCall(CheckTangent(settings, scene, "tangent"));
   if (scene->scheme.space.finite && Is(request, "spectrum")) PetscCall(CheckTangent(settings, scene, "kinematics"));
   PetscCall(ReadSteps(settings, scene, request));
@@ -521,8 +481,10 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   PetscCall(CheckSpans(settings, request));
   PetscCall(ReadMach(settings, scene, request));
   PetscCall(ReadNeighbourhoods(settings, scene, request));
-  PetscCall(Check(at_last, settings, scene, request));
-  PetscCall(ReadOutputs(settings, scene, request));
+  PetscCall(MpmSettingsCheckRules(settings, at_last, scene, request));
+  MpmCheckInput(!Is(request, "run") || scene->initial != MPM_INITIAL_EIGENMODE || request->mode_file[0],
+                "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
+  PetscCall(ReadOutputs(settings, request));
   PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -542,7 +504,7 @@ PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequ
   dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
   PetscCall(MpmSettingsReadProgram(settings, request));
-  PetscCall(ReadOutputs(settings, NULL, request));
+  PetscCall(ReadOutputs(settings, request));
   PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
