@@ -6,7 +6,6 @@
 #include "base/stop.h"
 #include "base/suggest.h"
 #include "task/task.h"
-#include "task/words.h"
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>

@@ -44,13 +44,13 @@ MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("growth: of the period, not of a step", "src/base/verdict.c", "* exponent) / period);", "* exponent));"),
     ("verdict: defective pairs are stable", "src/base/verdict.c", "f->defective_error <= f->tolerance ? MPM_STABLE : MPM_UNDECIDED", "MPM_STABLE"),
     ("refusal of particles beyond the end is gone", "src/scene/scene.c", "offset->value >= l->jitter / 2 &&", "offset->value >= 0 &&"),
-    ("units: Young's modulus without Poisson's ratio", "src/scene/scene_units.c", "*stiffness *= (1 - nu) / ((1 + nu) * (1 - 2 * nu));", ""),
+    ("units: Young's modulus without Poisson's ratio", "src/scene/scene_grid.c", "*stiffness *= (1 - nu) / ((1 + nu) * (1 - 2 * nu));", ""),
     ("neo: modulus at a stretch", "src/scheme/material/neo.c", "m->mu * (largest + 1)", "m->mu * (2 * largest)"),
     ("svk: tangent without its second part", "src/scheme/material/svk.c", "AddPushed(dim, dF, S, F, dtau);", ""),
     ("energy: not halved", "src/march/march_norms.c", "terms ? sums[1] / 2 : NAN", "terms ? sums[1] : NAN"),
     ("checkpoint: one step ahead", "src/io/checkpoint.c", "[MPM_AT_STEP]     = march->step,", "[MPM_AT_STEP]     = march->step + 1,"),
     ("ensemble: undecided layouts count", "src/analysis/ensemble.c", "(PetscReal)e->unstable / e->n", "(PetscReal)(e->unstable + e->undecided) / e->n"),
-    ("random numbers: another seed", "src/base/hash.c", "((uint64_t)id + 1) *", "((uint64_t)id + 2) *"),
+    ("random numbers: another seed", "src/base/hash.h", "((uint64_t)id + 1) *", "((uint64_t)id + 2) *"),
 ]
 STAGES = ["unit", "core", "parallel", "cli", "docs"]  # the cheap ones first
 

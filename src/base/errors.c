@@ -1,11 +1,13 @@
 /*
-   Handlers of errors. A refusal prints one line, and so does an error that memory or one of PETSc's options has caused.
-   Any other error keeps PETSc's stack trace.
+   Starts and ends MPI, PETSc and SLEPc, and handles errors. A refusal prints one line, and so does an error that memory or
+   one of PETSc's options has caused. Any other error keeps PETSc's stack trace.
 */
 #include "base/errors_private.h"
+#include "base/launch.h"
 #include "base/text.h"
-#include "base/unfinished.h"
+#include "base/textfile.h"
 #include <ctype.h>
+#include <slepcsys.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,11 +92,6 @@ static const char *Explain(PetscErrorCode code, const char function[], const cha
    An error may be that of one rank or of all ranks. The first rank prints at once and ends the others; they wait for
    that, so that the line appears once.
 */
-static void WaitForFirst(void)
-{
-  if (MpmRankOf(PETSC_COMM_WORLD)) (void)sleep(1);
-}
-
 static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *function, const char *file,
                                      PetscErrorCode code, PetscErrorType kind, const char *message, void *context)
 {
@@ -108,22 +105,10 @@ static PetscErrorCode RefusalHandler(MPI_Comm comm, int line, const char *functi
     said = Explain(code, function ? function : "", message, &why);
   if (!said) return PetscTraceBackErrorHandler(comm, line, function, file, code, kind, message, context);
   if (code != PETSC_ERR_USER_INPUT) explained = code;
-  if (code == explained) WaitForFirst();
+  if (code == explained && MpmRankOf(PETSC_COMM_WORLD)) (void)sleep(1);
   if (MpmRankOf(comm) == 0) PrintLine(said);
   MpmTextFree(&why);
   return code;
-}
-
-int MpmErrorsStatus(PetscErrorCode error)
-{
-  return error == PETSC_ERR_USER_INPUT || error == explained ? MPM_EXIT_REFUSED : MPM_EXIT_FAILED;
-}
-
-void MpmErrorsEnd(int status)
-{
-  fflush(NULL);
-  if (MpmRanksOf(PETSC_COMM_WORLD) == 1) _exit(status); /* MPI_Abort would print a message of its own */
-  MPI_Abort(PETSC_COMM_WORLD, status);
 }
 
 static PetscErrorCode OutsideHandler(MPI_Comm comm, int line, const char *function, const char *file,
@@ -140,11 +125,6 @@ static PetscErrorCode OutsideHandler(MPI_Comm comm, int line, const char *functi
   (void)snprintf(why, sizeof why, "PETSc refuses one of its options: %s", message);
   if (rank == 0) PrintLine(why);
   return code;
-}
-
-PetscErrorCode MpmErrorsOutside(void)
-{
-  return PetscPushErrorHandler(OutsideHandler, NULL);
 }
 
 PetscErrorCode MpmErrorsInstall(void)
@@ -191,7 +171,7 @@ void MpmPrint(const char format[], ...)
   va_end(arguments);
 }
 
-PetscBool MpmErrorsReportLost(void)
+static PetscBool ReportLost(void)
 {
   struct stat is;
 
@@ -200,4 +180,34 @@ PetscBool MpmErrorsReportLost(void)
   fprintf(stderr, "mpmstab: standard output cannot be written: the report is lost\n");
   if (!freopen("/dev/null", "w", stdout)) (void)fclose(stdout); /* PETSc flushes it when it ends, and would complain */
   return PETSC_TRUE;
+}
+
+/* ---- start and end ---- */
+
+PetscErrorCode MpmInitialize(int *argc, char ***argv)
+{
+  PetscErrorCode ierr;
+
+  MpmLaunchAlone();
+  if (!MpmLaunchMemory()) return PETSC_ERR_MEM;
+  ierr = PetscPushErrorHandler(OutsideHandler, NULL); /* this library does nothing while PETSc starts and ends */
+  if (!ierr) ierr = SlepcInitialize(argc, argv, NULL, NULL);
+  return ierr ? ierr : MpmErrorsInstall();
+}
+
+int MpmFinalize(PetscErrorCode error, int status)
+{
+  if (error) {
+    MpmUnfinishedRemove();
+    MpmTextFileAbandon();
+    status = error == PETSC_ERR_USER_INPUT || error == explained ? MPM_EXIT_REFUSED : MPM_EXIT_FAILED;
+  }
+  if (error && error != PETSC_ERR_USER_INPUT) { /* the other ranks may be waiting */
+    fflush(NULL);
+    if (MpmRanksOf(PETSC_COMM_WORLD) == 1) _exit(status); /* MPI_Abort would print a message of its own */
+    MPI_Abort(PETSC_COMM_WORLD, status);
+  }
+  (void)PetscPopErrorHandler();
+  if (ReportLost()) status = MPM_EXIT_FAILED;
+  return SlepcFinalize() ? MPM_EXIT_REFUSED : status;
 }

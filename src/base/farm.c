@@ -29,14 +29,10 @@ static PetscErrorCode Sum(PetscInt n, void *values, MPI_Datatype type)
 
 PetscErrorCode MpmFarmSumReals(PetscInt n, PetscReal values[])
 {
-  PetscFunctionBegin;
-  PetscCall(Sum(n, values, MPIU_REAL));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return Sum(n, values, MPIU_REAL);
 }
 
 PetscErrorCode MpmFarmSumInts(PetscInt n, PetscInt values[])
 {
-  PetscFunctionBegin;
-  PetscCall(Sum(n, values, MPIU_INT));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return Sum(n, values, MPIU_INT);
 }

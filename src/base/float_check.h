@@ -1,6 +1,7 @@
 /* Debug builds check the processor's floating-point flags after each step of the march and of the assembly. */
 #pragma once
 #include <mpmstab/compat.h>
+#include <fenv.h>
 
 /*S
    MpmFloatCheck - what the checks of a run remember.
@@ -33,6 +34,22 @@ static inline PetscErrorCode MpmFloatEnd(MPI_Comm comm, MpmFloatCheck *check, co
   return PETSC_SUCCESS;
 }
 #else
-void           MpmFloatBegin(void);
-PetscErrorCode MpmFloatEnd(MPI_Comm comm, MpmFloatCheck *check, const char work[], PetscInt64 step);
+#define MPM_FLOAT_FAULTS (FE_INVALID | FE_DIVBYZERO)
+
+static inline void MpmFloatBegin(void)
+{
+  (void)feclearexcept(MPM_FLOAT_FAULTS | FE_OVERFLOW);
+}
+
+static inline PetscErrorCode MpmFloatEnd(MPI_Comm comm, MpmFloatCheck *check, const char work[], PetscInt64 step)
+{
+  int raised = fetestexcept(MPM_FLOAT_FAULTS | FE_OVERFLOW);
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &raised, 1, MPI_INT, MPI_BOR, comm));
+  if (raised & FE_OVERFLOW) check->left = PETSC_TRUE;
+  PetscCheck(check->left || !(raised & MPM_FLOAT_FAULTS), comm, PETSC_ERR_FP, "%s, step %" PetscInt64_FMT ": %s", work,
+             step, raised & FE_INVALID ? "an invalid floating-point operation" : "a division by zero");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 #endif

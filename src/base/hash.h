@@ -24,4 +24,7 @@ static inline uint64_t MpmHashMix(uint64_t z)
    Not collective. The number is the same on any number of ranks, since it depends on seed and id alone. docs/theory.md,
    section 1, fixes it.
 */
-PetscReal MpmHash(PetscInt64 seed, PetscInt64 id);
+static inline PetscReal MpmHash(PetscInt64 seed, PetscInt64 id)
+{
+  return (PetscReal)(MpmHashMix((uint64_t)seed + ((uint64_t)id + 1) * MPM_HASH_INCREMENT) >> 11) * 0x1p-53;
+}

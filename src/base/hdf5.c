@@ -283,9 +283,7 @@ PetscErrorCode MpmHdf5WriteRows(MpmHdf5 *f, const char name[], hid_t type, Petsc
 PetscErrorCode MpmHdf5Write(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 rows, PetscInt columns,
                             const void *part)
 {
-  PetscFunctionBegin;
-  PetscCall(MpmHdf5WriteRows(f, name, type, rows, columns > 1, &columns, part));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return MpmHdf5WriteRows(f, name, type, rows, columns > 1, &columns, part);
 }
 
 static void WriteAttribute(MpmHdf5 *f, const char object[], const char name[], hid_t type, const void *value)

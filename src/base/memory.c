@@ -41,7 +41,8 @@ static PetscReal Available(PetscReal ranks)
   return available;
 }
 
-PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes)
+/* The least of all ranks of the bytes that each may use if the ranks of a machine share its memory evenly. */
+static PetscErrorCode OfRank(MPI_Comm comm, PetscReal *bytes)
 {
   PetscMPIInt here;
   MPI_Comm    machine;
@@ -62,7 +63,7 @@ PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes,
 
   PetscFunctionBegin;
   if (bytes < PLENTY) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmMemoryOfRank(comm, &least));
+  PetscCall(OfRank(comm, &least));
   MpmCheckInput(bytes / ranks <= least,
                 "%s: %s needs about %.2g GB, %.2g GB on each of %d "
                 "ranks; allowed: %.2g GB a rank, so fewer cells or particles, or more machines",

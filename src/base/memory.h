@@ -11,13 +11,6 @@
 PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes, const char what[]);
 
 /*
-   MpmMemoryOfRank - finds how many bytes a rank may use if the ranks of a machine share its memory evenly.
-
-   Collective. bytes: the least of all ranks; infinite when it is not known.
-*/
-PetscErrorCode MpmMemoryOfRank(MPI_Comm comm, PetscReal *bytes);
-
-/*
    MpmMemoryRoom - says in why that this rank alone has no room for so many bytes of a file, and what is allowed. Else why
    stays as it is.
 

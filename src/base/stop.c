@@ -2,7 +2,7 @@
    Handlers of signals that ask the program to end. They call nothing but unlink, sigaction and raise, and set a flag.
 */
 #include "base/stop.h"
-#include "base/unfinished.h"
+#include "base/textfile.h"
 #include <signal.h>
 
 static volatile sig_atomic_t asked;

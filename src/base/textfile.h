@@ -1,6 +1,7 @@
 /*
-   Text files that appear whole or not at all: they are written under a temporary name (unfinished.h) and get their own
-   name when they are finished.
+   Files that appear whole or not at all: a file is written under a temporary name, PATH.HOST-PID-RANDOM.part, and gets its
+   own name when it is finished. The temporary name belongs to this process alone, so that no other program writes to the
+   file or removes it; the file is locked (flock) until then.
 */
 #pragma once
 #include <mpmstab/compat.h>
@@ -22,6 +23,13 @@ PetscErrorCode MpmFileCheck(const char name[], const char path[]);
 */
 PetscErrorCode MpmFileCreate(MPI_Comm comm, const char path[], char part[PETSC_MAX_PATH_LEN], int *error);
 PetscErrorCode MpmFileFinish(MPI_Comm comm, const char path[], const char part[], int *error);
+
+/*
+   Not collective; only the first rank writes files. MpmUnfinishedDrop removes one file, MpmUnfinishedRemove all files that
+   this process has not finished. The second function may be called from a signal handler.
+*/
+void MpmUnfinishedDrop(const char part[]);
+void MpmUnfinishedRemove(void);
 
 /*
    MpmFileOpen - opens a file to read. MpmFileReason - what its error means.
@@ -61,3 +69,20 @@ void MpmTextFileDrop(MpmTextFile *file);
    Not collective. Part of MpmFinalize.
 */
 void MpmTextFileAbandon(void);
+
+/*
+   MpmFileIsSame - whether two names are of one file: there is one file with both names, by links of any kind, or they are
+   the same name in the same folder, where there may be no file yet.
+
+   Not collective.
+*/
+PetscBool MpmFileIsSame(const char a[], const char b[]);
+
+/*
+   MpmFileIsHere - whether a file is in the current folder, or in one below it, and no part of its name from there on is
+   hidden (begins with a point). A folder that does not exist is none in which a file can be.
+*/
+PetscBool MpmFileIsHere(const char path[]);
+
+/* Whether a name has one of the endings of a text such as ".npz, .h5 or .hdf5". */
+PetscBool MpmFileHasEnding(const char path[], const char endings[]);

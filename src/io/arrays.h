@@ -13,6 +13,9 @@
 #define MPM_MOST_ARRAYS 12
 #define MPM_WHY_TEXT 256
 
+/* Sets why to what a format of printf and its arguments say. */
+#define MpmWhy(why, ...) (void)snprintf(why, MPM_WHY_TEXT, __VA_ARGS__)
+
 /*S
    MpmArray - one array: numbers or a text.
 
@@ -34,16 +37,13 @@ typedef struct {
 } MpmArrays;
 
 /*
-   MpmArraysReadNpz, MpmArraysReadHdf5 - read those arrays of a file whose names are listed (NULL after the last). In HDF5
+   MpmArraysRead - reads those arrays of a file, HDF5 or .npz, whose names are listed (NULL after the last). In HDF5
    they are in the root, or in the first group that has the first of them, as datasets or as attributes of one value.
    MpmArraysWriteNpz - writes arrays to an open stream. whole: the names of those that are written as 64-bit integers.
 
    Not collective. The arrays are freed with MpmArraysFree.
 */
-PetscErrorCode MpmArraysReadNpz(const char path[], const char *const names[], MpmArrays *arrays,
-                                char why[MPM_WHY_TEXT]);
-PetscErrorCode MpmArraysReadHdf5(const char path[], const char *const names[], MpmArrays *arrays,
-                                 char why[MPM_WHY_TEXT]);
+PetscErrorCode MpmArraysRead(const char path[], const char *const names[], MpmArrays *arrays, char why[MPM_WHY_TEXT]);
 PetscErrorCode MpmArraysWriteNpz(const MpmArrays *arrays, const char *const whole[], FILE *stream);
 PetscErrorCode MpmArraysFree(MpmArrays *arrays);
 

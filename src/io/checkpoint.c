@@ -8,9 +8,7 @@
 #include "march/conserved.h"
 #include <mpmstab/errors.h>
 #include "scene/fields.h"
-#include "base/checksum.h"
 #include "base/textfile.h"
-#include "base/unfinished.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -19,9 +17,7 @@
 /* Writes an array that the first rank holds whole. */
 static PetscErrorCode FromFirst(MpmHdf5 *s, const char name[], hid_t type, PetscInt64 n, const void *values)
 {
-  PetscFunctionBegin;
-  PetscCall(MpmHdf5Write(s, name, type, MpmRankOf(s->comm) ? 0 : n, 1, values));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return MpmHdf5Write(s, name, type, MpmRankOf(s->comm) ? 0 : n, 1, values);
 }
 
 /* Writes the scene as lines 'name text'. */

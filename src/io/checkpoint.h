@@ -7,7 +7,7 @@
    MpmCheckpointWrite - writes the state of a run after a step to the file PATH. An earlier file of this name stays
    until the new one is whole and on the disk.
 
-   Collective. Refuses when it cannot be written. The file is HDF5 behind a checksum (checksum.h). It holds the scene as
+   Collective. Refuses when it cannot be written. The file is HDF5 behind a checksum. It holds the scene as
    text, particle fields in the order in which the ranks hold them, node fields with ghosts, the series for the fit of
    growth, and csv: the rows of the run's CSV so far (on rank 0; NULL when the run writes none). A run that resumes on
    as many ranks has the same results to the last bit.

@@ -3,7 +3,6 @@
 #include <mpmstab/errors.h>
 #include "base/textfile.h"
 #include "scene/fields.h"
-#include "base/unfinished.h"
 #include <string.h>
 
 /* A fraction is written as text too, so that 1/7 stays exact. */

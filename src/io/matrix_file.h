@@ -6,10 +6,53 @@
      .npz        scipy.sparse.save_npz: csr, csc or coo, stored or deflated
      .h5 .hdf5   arrays data, indices, indptr (with format csc by columns), or MATLAB's data, ir, jc
      .petsc      PETSc's binary, of PetscInt with 32 or 64 bits
+
+   Blocks are arrays of .npz or HDF5: d (blocks x directions, whole numbers), A (blocks x unknowns x unknowns), and if known
+   steps and cell_width, each one number. A matrix of a whole grid that the hook has written gives blocks, too, if all cells
+   are alike.
 */
 #pragma once
-#include "io/matrix_csr.h"
+#include "io/arrays.h"
+#include "probe/hooked.h"
 #include "scene/request.h"
+#include "symbol/blocks.h"
+#include <petscmat.h>
+
+#define MPM_MATRIX_ENTRIES 3e8 /* the most that a file may have */
+
+/*S
+   MpmEntries - the entries of a matrix that is read, in any order, with room for a diagonal; those of one place are added.
+   Rows and columns count from 0. steps: that the matrix covers; 0: the file does not say. hooked: what the hook says of it.
+S*/
+typedef struct {
+  PetscInt64 rows, columns, n, steps;
+  PetscInt  *row, *column;
+  PetscReal *value;
+  MpmHooked  hooked;
+} MpmEntries;
+
+/*S
+   MpmCsr - a square matrix row by row: those of row i are begin[i] to begin[i + 1], by their columns. The first rank has
+   all rows, the others none.
+S*/
+typedef struct {
+  Mat            *whole;
+  PetscInt        order;
+  const PetscInt *begin, *column;
+  PetscReal      *value;
+} MpmCsr;
+
+/*
+   Not collective. MpmEntriesRoom - makes room, or says why a file with so many may not be; MpmEntriesCheck - says what
+   is wrong with entries that are no operator, in why ("": nothing).
+*/
+PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, MpmEntries *entries,
+                              char why[MPM_WHY_TEXT]);
+void           MpmEntriesCheck(const MpmEntries *entries, char why[MPM_WHY_TEXT]);
+/* Not collective. Takes entries to the scales of fields that the hook says, as those of a code that mpmstab itself probes. */
+void MpmEntriesToScales(MpmEntries *entries);
+
+PetscErrorCode MpmEntriesFree(MpmEntries *entries);
 
 /*
    MpmMatrixRead - reads a square matrix from a file. *steps: on entry what the user says that it covers, 0 if nothing; on
@@ -27,6 +70,18 @@ PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal toleran
    Collective. The file appears whole or not at all. kept: whether the format has a place for the steps.
 */
 PetscErrorCode MpmMatrixWrite(const char path[], Mat A, PetscInt exponent, PetscInt steps, PetscBool *kept);
+
+/*
+   MpmBlocksRead - reads blocks to every rank. steps: what the user says that they cover, 0 if nothing; it must not
+   contradict the file. certificates: what the hook says in the file, with the tolerance of the verdict; none elsewhere.
+
+   Collective. Refuses (PETSC_ERR_USER_INPUT) what is no file of blocks. They are freed with MpmBlocksFree.
+*/
+PetscErrorCode MpmBlocksRead(MPI_Comm comm, const char path[], PetscInt steps, PetscReal tolerance,
+                             MpmCertificates *certificates, MpmBlocks *blocks);
+
+/* Collective. Writes the first rank's blocks; the ending of the name says in which format. */
+PetscErrorCode MpmBlocksWrite(const char path[], const MpmBlocks *blocks);
 
 /* Not collective: the first rank reads and writes single formats. */
 PetscErrorCode MpmMatrixReadText(FILE *stream, MpmEntries *entries, char why[MPM_WHY_TEXT]);

@@ -1,13 +1,186 @@
-/* Reads what MpmModesWrite has written, after MpmModeFileCheck has checked it. */
+/*
+   Mode files: eigenvectors of an operator are written, and a run takes its initial data from them. What is read is checked
+   first, by the first rank alone; whatever it finds, all ranks refuse together.
+*/
+#include "base/textfile.h"
 #include "io/mode_file.h"
-#include <mpmstab/errors.h>
 #include "march/march_private.h"
+#include "scene/fields.h"
+#include "scene/layout.h"
+#include <mpmstab/errors.h>
+#include <mpmstab/verdict.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
 
-void MpmModeFileGroup(const MpmScene *scene, char group[], size_t room)
+#define WRITTEN "allowed: a file that 'mpmstab spectrum -output' has written"
+
+typedef struct {
+  const MpmScene *scene;
+  MpmHdf5         file;
+  char            why[1024]; /* "": nothing is wrong */
+} Check;
+
+/* Names the group of the file that holds the scene's mode. */
+static void NameGroup(const MpmScene *scene, char group[], size_t room)
 {
   (void)snprintf(group, room, "/modes/%04" PetscInt_FMT, scene->mode[0]);
 }
+
+/* Keeps the first fault, since the refusal names only one. */
+__attribute__((format(printf, 2, 3))) static void Wrong(Check *c, const char format[], ...)
+{
+  va_list arguments;
+
+  if (c->why[0]) return;
+  va_start(arguments, format);
+  (void)vsnprintf(c->why, sizeof c->why, format, arguments);
+  va_end(arguments);
+}
+
+static void SameText(Check *c, const char name[], const char mine[])
+{
+  const hid_t text                   = H5Tcopy(H5T_C_S1);
+  char        their[MPM_COUNTS_TEXT] = "";
+
+  (void)H5Tset_size(text, sizeof their);
+  if (!MpmHdf5ReadAttribute(&c->file, "/", name, text, their))
+    Wrong(c, "no %s in it; " WRITTEN, name);
+  else if (strncmp(mine, their, sizeof their))
+    Wrong(c, "its %s is %.*s, the scene's is %s; allowed: the same", name, (int)sizeof their, their, mine);
+  (void)H5Tclose(text);
+}
+
+static void SameNumber(Check *c, const char name[], PetscReal mine)
+{
+  double theirs = NAN;
+
+  if (!MpmHdf5ReadAttribute(&c->file, "/", name, H5T_NATIVE_DOUBLE, &theirs))
+    Wrong(c, "no %s in it; " WRITTEN, name);
+  else if (theirs != mine)
+    Wrong(c, "its %s is %.17g, the scene's is %.17g; allowed: the same", name, theirs, mine);
+}
+
+static void SameCount(Check *c, const char name[], PetscInt mine)
+{
+  long long theirs = 0;
+
+  if (!MpmHdf5ReadAttribute(&c->file, "/", name, H5T_NATIVE_LLONG, &theirs))
+    Wrong(c, "no %s in it; " WRITTEN, name);
+  else if (theirs != mine)
+    Wrong(c, "its %s is %lld, the scene's is %" PetscInt_FMT "; allowed: the same", name, theirs, mine);
+}
+
+/* Compares the value of direction a. */
+static void SameValue(Check *c, const MpmValue *mine, PetscInt a)
+{
+  MpmAttribute of[2];
+  PetscInt     n;
+
+  MpmValueAttributes(mine, a, &n, of);
+  for (PetscInt i = 0; i < n; i++) {
+    if (of[i].kind == MPM_AS_COUNT)
+      SameCount(c, of[i].name, of[i].count);
+    else if (of[i].kind == MPM_AS_REAL)
+      SameNumber(c, of[i].name, of[i].number);
+    else
+      SameText(c, of[i].name, of[i].text);
+  }
+}
+
+static PetscErrorCode SameScene(Check *c)
+{
+  MpmValue mine[MPM_MAX_VALUES];
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(MpmValuesIn(MPM_IN_MODE_FILE, c->scene, NULL, &n, mine));
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt a = 0; a < mine[i].n; a++) SameValue(c, &mine[i], a);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Checks a field of the mode: it needs as many numbers as there are particles, all of them finite. */
+static PetscErrorCode Field(Check *c, const char group[], const char field[], const char part[], PetscReal *largest)
+{
+  const PetscInt64 n = c->scene->layout.particles;
+  char             name[128];
+  PetscInt64       length;
+  double          *values;
+
+  PetscFunctionBegin;
+  (void)snprintf(name, sizeof name, "%s/%s_%s", group, field, part);
+  PetscCall(MpmHdf5Length(&c->file, name, H5T_NATIVE_DOUBLE, &length));
+  if (length != n) {
+    Wrong(c, "%s is not %" PetscInt64_FMT " numbers; " WRITTEN, name, n);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(PetscCalloc1(n, &values));
+  MpmHdf5Read(&c->file, name, H5T_NATIVE_DOUBLE, 0, n, values);
+  if (c->file.failed) Wrong(c, "%s cannot be read; " WRITTEN, name);
+  for (PetscInt64 i = 0; i < n && !c->why[0]; i++) {
+    if (!isfinite(values[i])) Wrong(c, "%s holds a value that is not finite; " WRITTEN, name);
+    *largest = PetscMax(*largest, fabs(values[i]));
+  }
+  PetscCall(PetscFree(values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Mode(Check *c)
+{
+  PetscReal largest = 0;
+  double    growth;
+  char      group[64];
+
+  PetscFunctionBegin;
+  NameGroup(c->scene, group, sizeof group);
+  if (!MpmHdf5ReadAttribute(&c->file, group, "growth", H5T_NATIVE_DOUBLE, &growth))
+    Wrong(c, "it does not hold mode %" PetscInt_FMT "; allowed: one of those that 'mpmstab spectrum -modes' has kept",
+          c->scene->mode[0]);
+  for (PetscInt f = 0; c->scene->scheme.table->fields[f] && !c->why[0]; f++) {
+    PetscCall(Field(c, group, c->scene->scheme.table->fields[f], "re", &largest));
+    PetscCall(Field(c, group, c->scene->scheme.table->fields[f], "im", &largest));
+  }
+  if (largest == 0) Wrong(c, "mode %" PetscInt_FMT " is zero; " WRITTEN, c->scene->mode[0]);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Examine(Check *c, const char path[])
+{
+  PetscBool failed;
+  int       error;
+  FILE     *file = MpmFileOpen(path, &error);
+
+  PetscFunctionBegin;
+  if (!file) {
+    Wrong(c, "cannot be read; " WRITTEN);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  fclose(file);
+  PetscCall(MpmHdf5Open(PETSC_COMM_SELF, path, &c->file));
+  if (c->file.failed) {
+    Wrong(c, H5Fis_hdf5(path) > 0 ? "cut short or damaged; " WRITTEN : "not an HDF5 file; " WRITTEN);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(SameScene(c));
+  if (!c->why[0]) PetscCall(Mode(c));
+  PetscCall(MpmHdf5Close(&c->file, &failed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModeFileCheck(const MpmScene *scene, const char path[])
+{
+  Check check = {.scene = scene};
+
+  PetscFunctionBegin;
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(Examine(&check, path));
+  PetscCallMPI(MPI_Bcast(check.why, sizeof check.why, MPI_CHAR, 0, PETSC_COMM_WORLD));
+  MpmCheckInput(!check.why[0], "mode_file %s: %s", path, check.why);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- reading, after the check ---- */
 
 /* Closes the file. It was whole when the program began, but somebody may have changed it since. */
 static PetscErrorCode CloseRead(const char path[], MpmHdf5 *file)
@@ -26,7 +199,7 @@ PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], Petsc
   char    group[64];
 
   PetscFunctionBegin;
-  MpmModeFileGroup(scene, group, sizeof group);
+  NameGroup(scene, group, sizeof group);
   PetscCall(MpmHdf5Open(PETSC_COMM_WORLD, path, &file));
   if (!MpmHdf5ReadAttribute(&file, group, "growth", H5T_NATIVE_DOUBLE, growth)) file.failed = PETSC_TRUE;
   PetscCall(CloseRead(path, &file));
@@ -78,7 +251,7 @@ static PetscErrorCode ReadPart(const MpmScene *scene, MpmHdf5 *file, const char 
   char group[64], name[128];
 
   PetscFunctionBegin;
-  MpmModeFileGroup(scene, group, sizeof group);
+  NameGroup(scene, group, sizeof group);
   *largest = 0;
   for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *q;
@@ -115,4 +288,95 @@ PetscErrorCode MpmModeFileFill(const char path[], MpmMarch *march)
   }
   PetscCall(MpmMarchStart(march));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- writing ---- */
+
+static void WriteEigenvalue(const MpmOperator *op, const MpmEigen *eigen, PetscInt j, MpmDataFile *file)
+{
+  const PetscReal re = scalbn(eigen->re[j], (int)op->exponent), im = scalbn(eigen->im[j], (int)op->exponent);
+  const PetscReal growth = MpmGrowthPerStep(hypot(eigen->re[j], eigen->im[j]), op->exponent, op->period);
+  char            group[64];
+
+  (void)snprintf(group, sizeof group, "/modes/%04" PetscInt_FMT, j + 1);
+  MpmHdf5WriteReal(&file->hdf5, group, "re", re);
+  MpmHdf5WriteReal(&file->hdf5, group, "im", im);
+  MpmHdf5WriteReal(&file->hdf5, group, "growth", growth);
+}
+
+/* Writes the particles' starting places, over which a mode's values can be plotted: a row of dim numbers for each. */
+static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_width, MpmDataFile *file)
+{
+  const PetscInt    dim  = layout->dim;
+  const PetscMPIInt rank = MpmRankOf(file->hdf5.comm);
+  PetscReal        *x;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(rank ? 0 : dim * layout->particles, &x));
+  for (PetscInt64 id = 0; id < layout->particles && rank == 0; id++) {
+    MpmLayoutRest(layout, id, &x[dim * id]);
+    for (PetscInt a = 0; a < dim; a++) x[dim * id + a] *= cell_width;
+  }
+  PetscCall(MpmDataFileArray(file, "/modes", "coordinates", (PetscInt)layout->particles, dim, x));
+  PetscCall(PetscFree(x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Writes one field of the real or the imaginary part of an eigenvector. */
+static PetscErrorCode WriteField(const char name[], Vec field, MpmDataFile *file)
+{
+  const PetscReal *values;
+  PetscInt         n;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetLocalSize(field, &n));
+  PetscCall(VecGetArrayRead(field, &values));
+  PetscCall(MpmHdf5Write(&file->hdf5, name, H5T_NATIVE_DOUBLE, n, 1, values));
+  PetscCall(VecRestoreArrayRead(field, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* fields: the names of the parts of a vector; NULL: it is a whole, in the order of its rows. */
+static PetscErrorCode WriteModes(const MpmOperator *op, const char *const fields[], const MpmEigen *eigen,
+                                 PetscInt count, MpmDataFile *file)
+{
+  static const char *const parts[] = {"re", "im"};
+  Vec                      x[2], field = NULL;
+  char                     name[128];
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(eigen->A, &x[0], &x[1]));
+  if (fields) PetscCall(MatCreateVecs(op->p2g, &field, NULL));
+  for (PetscInt j = 0; j < PetscMin(count, eigen->n); j++) {
+    PetscCall(MpmEigenVector(eigen, j, x[0], x[1]));
+    PetscCall(MpmOperatorToState(op, x[0], x[1]));
+    for (PetscInt f = 0; f < (fields ? op->fields : 1); f++) {
+      for (int part = 0; part < 2; part++) {
+        if (fields) PetscCall(VecSetBlockSize(x[part], op->fields));
+        if (fields) PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
+        (void)snprintf(name, sizeof name, "/modes/%04" PetscInt_FMT "/%s_%s", j + 1, fields ? fields[f] : "vector",
+                       parts[part]);
+        PetscCall(WriteField(name, fields ? field : x[part], file));
+      }
+    }
+    WriteEigenvalue(op, eigen, j, file);
+  }
+  PetscCall(VecDestroy(&x[0]));
+  PetscCall(VecDestroy(&x[1]));
+  PetscCall(VecDestroy(&field));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmModesWrite(const MpmOperator *op, PetscReal cell_width, const MpmEigen *eigen, PetscInt count,
+                             MpmDataFile *file)
+{
+  PetscFunctionBegin;
+  if (PetscMin(count, eigen->n) > 0) PetscCall(WriteCoordinates(op->layout, cell_width, file));
+  PetscCall(WriteModes(op, op->scheme->table->fields, eigen, count, file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmVectorsWrite(const MpmOperator *op, const MpmEigen *eigen, PetscInt count, MpmDataFile *file)
+{
+  return WriteModes(op, NULL, eigen, count, file);
 }

@@ -8,9 +8,6 @@
 /* Collective. Refuses a mode file unless it has the scene's scheme, grid and particles and holds the scene's mode. */
 PetscErrorCode MpmModeFileCheck(const MpmScene *scene, const char path[]);
 
-/* Not collective. Names the group of the file that holds the scene's mode. */
-void MpmModeFileGroup(const MpmScene *scene, char group[], size_t room);
-
 /* Collective. Reads the growth per step of the mode's eigenvalue. */
 PetscErrorCode MpmModeFileGrowth(const MpmScene *scene, const char path[], PetscReal *growth);
 

@@ -1,10 +1,12 @@
-/* The scene at the beginning of every task's report and tree, and lines that several reports have. */
-#include <mpmstab/errors.h>
+/* What several tasks report: scheme, grid and units, the closed forms, limits, verdict and evidence. */
+#include "base/errors_private.h"
+#include "base/text.h"
+#include "operator/nodal.h"
+#include "report/report.h"
 #include "scene/fields.h"
 #include "scene/layout.h"
-#include "base/text.h"
-#include "base/errors_private.h"
-#include "report/report.h"
+#include <mpmstab/critical.h>
+#include <mpmstab/errors.h>
 #include <math.h>
 #include <string.h>
 
@@ -392,4 +394,102 @@ void MpmResultSymbol(json_t *result, const MpmSymbol *symbol)
   json_decref(phases);
   MpmResultKeep(result, "%g{symbol.growth} %g{symbol.seconds}", symbol->growth, symbol->seconds);
   MpmResultVector(result, "symbol.beta_at_max", symbol->dim, symbol->beta_at_max);
+}
+
+/* ---- how large a matrix the nodes see of a scheme at rest, which is why its factors are what they are ---- */
+
+/* The images by their maps and fields, in one dimension. */
+static PetscErrorCode NameImages(const MpmTable *table, const MpmNodalPlan *plan, MpmText *text)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmTextAdd(text, "%s", ""));
+  for (PetscInt g = 0; g < plan->nimages && table->dim == 1; g++)
+    for (PetscInt i = 0; i < plan->image[g].n; i++) {
+      const MpmOp *term = &plan->image[g].term[i];
+
+      PetscCall(MpmTextAdd(text, "%s%s %s",
+                           i   ? " + "
+                           : g ? ", "
+                               : ": ",
+                           MpmOpTraitsOf(term->kind).weight == MPM_MASS ? "P2G" : "DIV", table->fields[term->src]));
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[])
+{
+  MpmNodalPlan *plan;
+  MpmText       images = {NULL, 0};
+  const char   *why;
+
+  PetscFunctionBegin;
+  PetscCall(MpmNodalPlanCreate(table, &why, &plan));
+  if (why) MpmPrint("%sthe nodes have no matrix of their own: %s\n", before, why);
+  if (!plan) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(NameImages(table, plan, &images));
+  MpmPrint("%sat rest the nodes see a %" PetscInt_FMT " x %" PetscInt_FMT " matrix at each phase%s\n", before,
+           plan->nimages, plan->nimages, images.text);
+  MpmTextFree(&images);
+  PetscCall(MpmNodalPlanDestroy(&plan));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   A limit of the Courant number as a time step of a scene in physical units, and how far the scene's own time step is
+   from it.
+*/
+
+#define NEAR_LIMIT 0.005 /* this near to the limit three digits of the ratio do not tell on which side a step is */
+
+static void PrintGrowth(PetscReal tolerance, PetscReal growth)
+{
+  if (isinf(growth))
+    MpmPrint(": growth per step is beyond the range of doubles");
+  else if (growth > 1 + tolerance)
+    MpmPrint(": it grows by a factor of %.6g per step", growth);
+  else if (!isnan(growth))
+    MpmPrint(", but growth is still within tolerance");
+}
+
+void MpmReportWindows(json_t *result, PetscInt blanks, PetscReal courant, const MpmCriticalWindows *windows)
+{
+  const PetscBool said = courant > 0 ? PETSC_TRUE : PETSC_FALSE;
+
+  if (!windows->looked) return;
+  MpmResultKeep(result, "%" PetscInt_FMT "{looked_at}", windows->looked);
+  (void)MpmResultList(result, "windows");
+  for (PetscInt i = 0; i < windows->n; i++) {
+    const MpmCriticalWindow *w = &windows->window[i];
+
+    if (said)
+      MpmPrint("%*sbelow that there is growth from %.6g to %.6g, by a factor of up to %.9g per step, at %.6g\n",
+               (int)blanks, "", w->from, w->to, w->growth, w->at);
+    (void)json_array_append_new(MpmResultList(result, "windows"), json_pack("[f, f, f]", w->from, w->to, w->growth));
+  }
+  if (said)
+    MpmPrint("%*s%sgrowth was looked at for %" PetscInt_FMT
+             " Courant numbers; a window between two of them is missed\n",
+             (int)blanks, "", windows->n ? "" : "below that there is no growth; ", windows->looked);
+}
+
+void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth, PetscBool windows)
+{
+  const PetscReal   limit = MpmSceneTimeStep(scene, courant), ratio = scene->step.courant / courant;
+  const char *const name = MpmSceneDrifts(scene) ? "largest dt with growth within tolerance" : "largest stable dt";
+
+  if (!MpmSceneIsPhysical(scene) || isnan(courant)) return;
+  if (isinf(courant)) {
+    MpmPrint("%s: none up to %.6g is unstable%s\n", name, MpmSceneTimeStep(scene, MPM_CRITICAL_TO),
+             windows ? ", but for windows of growth" : "");
+    return;
+  }
+  MpmPrint("%s: %.6g%s\n", name, limit, windows ? ", with windows of growth below it" : "");
+  if (!MpmSceneHasStep(scene)) return;
+  if (courant == 0)
+    MpmPrint("dt %.6g is beyond it", scene->dt);
+  else
+    MpmPrint("dt %.6g is %.*g %s %.6g", scene->dt, fabs(ratio - 1) < NEAR_LIMIT ? 6 : 3, ratio,
+             ratio <= 1 ? "of the limit" : "times the limit", limit);
+  if (ratio > 1 || growth > 1 + tolerance) PrintGrowth(tolerance, growth);
+  MpmPrint("\n");
 }

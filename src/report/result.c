@@ -1,5 +1,5 @@
 /* Results: values that are printed and kept in a tree, which becomes a JSON file. */
-#include "report/result.h"
+#include "report/report.h"
 #include "base/errors_private.h"
 #include "base/textfile.h"
 #include <math.h>

@@ -190,16 +190,12 @@ static PetscErrorCode Join(const MpmValue *value,
 
 PetscErrorCode MpmValueText(const MpmValue *value, size_t room, char text[])
 {
-  PetscFunctionBegin;
-  PetscCall(Join(value, MpmValueOneText, room, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return Join(value, MpmValueOneText, room, text);
 }
 
 PetscErrorCode MpmValueHeading(const MpmValue *value, size_t room, char text[])
 {
-  PetscFunctionBegin;
-  PetscCall(Join(value, OneHeading, room, text));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return Join(value, OneHeading, room, text);
 }
 
 PetscErrorCode MpmValueAgrees(const MpmValue *value, const char text[], PetscBool *agrees)

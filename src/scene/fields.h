@@ -65,6 +65,7 @@ typedef enum { MPM_FILE_NONE, MPM_FILE_READ, MPM_FILE_WRITTEN } MpmFileUse;
    value      - how its value is kept, MPM_NO_VALUE if other fields follow from it
    owner, at  - where: the offset in its owner. A text is what the function text says, or is there itself
    of_matrix  - the option is also read where a matrix from a file takes the place of the scene
+   with       - the sources that it needs one of, as in "program or plugin"; NULL: it stands without them
    each       - of a value for each direction: the distance in bytes from one direction's place to the next one's. 0: it
                 has one value
    numbers    - how many values it has, where that is not one for each direction: the components of a stress
@@ -87,7 +88,7 @@ typedef struct {
   const char *const *words;
   const char *(*word)(PetscInt i);
   const char  *also;
-  const char  *rival, *tasks;
+  const char  *rival, *tasks, *with;
   MpmValueKind value;
   MpmOwner     owner;
   size_t       at, each;

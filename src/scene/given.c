@@ -52,6 +52,8 @@ typedef struct {
   char       text[LONGEST + 2], why[512], unused[256];
 } Reader;
 
+#define Why(r, ...) (void)snprintf((r)->why, sizeof(r)->why, __VA_ARGS__)
+
 /* ---- lines ---- */
 
 /* Takes the next line without its end; false at the end of the file, or where something is wrong with the line. */
@@ -63,9 +65,7 @@ static PetscBool NextLine(Reader *r)
   r->line++;
   length = strlen(r->text);
   if (length == 0 || (r->text[length - 1] != '\n' && !feof(r->stream))) {
-    (void)snprintf(r->why, sizeof r->why,
-                   "line %" PetscInt64_FMT ": not text, or longer than %d characters; allowed: a CSV file", r->line,
-                   LONGEST);
+    Why(r, "line %" PetscInt64_FMT ": not text, or longer than %d characters; allowed: a CSV file", r->line, LONGEST);
     return PETSC_FALSE;
   }
   while (length && strchr("\r\n \t", r->text[length - 1])) r->text[--length] = '\0';
@@ -91,13 +91,11 @@ static void Count(Reader *r)
     if (r->text[0]) last = r->line;
   r->particles = PetscMax(0, last - 1);
   if (!r->why[0] && last == 0)
-    (void)snprintf(r->why, sizeof r->why,
-                   "it is empty; allowed: a header such as x,y,volume and a line for each particle");
+    Why(r, "it is empty; allowed: a header such as x,y,volume and a line for each particle");
   else if (!r->why[0] && !r->particles)
-    (void)snprintf(r->why, sizeof r->why, "it has a header and no particle; allowed: at least one line more");
+    Why(r, "it has a header and no particle; allowed: at least one line more");
   else if (!r->why[0] && r->particles > MOST_PARTICLES)
-    (void)snprintf(r->why, sizeof r->why, "it has %" PetscInt64_FMT " particles; allowed: at most %d", r->particles,
-                   (int)MOST_PARTICLES);
+    Why(r, "it has %" PetscInt64_FMT " particles; allowed: at most %d", r->particles, (int)MOST_PARTICLES);
   rewind(r->stream);
   r->line = 0;
 }
@@ -124,8 +122,8 @@ static void ReadHeader(Reader *r)
     name[strcspn(name, " \t\"")] = '\0';
     column                       = ColumnOf(name);
     if (r->columns == MOST_COLUMNS || (column != IGNORED && has[column])) {
-      (void)snprintf(r->why, sizeof r->why, "line 1: %s; allowed: each column once, at most %d",
-                     r->columns == MOST_COLUMNS ? "too many columns" : "a column twice", MOST_COLUMNS);
+      Why(r, "line 1: %s; allowed: each column once, at most %d",
+          r->columns == MOST_COLUMNS ? "too many columns" : "a column twice", MOST_COLUMNS);
       return;
     }
     r->of[r->columns++] = column;
@@ -137,16 +135,15 @@ static void ReadHeader(Reader *r)
   }
   for (PetscInt a = 0; a < MPM_MAX_DIM && !r->why[0]; a++) {
     if (has[a] == (a < r->dim)) continue;
-    (void)snprintf(r->why, sizeof r->why,
-                   a < r->dim
-                       ? "line 1: there is no column %s; allowed: a header with x%s, and of volume, mass, young "
-                         "and poisson what there is"
-                       : "line 1: there is a column %s%.0s, and -dim is less; allowed: -dim with the columns that "
-                         "there are",
-                   names[a],
-                   r->dim > 2   ? ",y,z"
-                   : r->dim > 1 ? ",y"
-                                : "");
+    Why(r,
+        a < r->dim ? "line 1: there is no column %s; allowed: a header with x%s, and of volume, mass, young "
+                     "and poisson what there is"
+                   : "line 1: there is a column %s%.0s, and -dim is less; allowed: -dim with the columns that "
+                     "there are",
+        names[a],
+        r->dim > 2   ? ",y,z"
+        : r->dim > 1 ? ",y"
+                     : "");
   }
 }
 
@@ -167,17 +164,15 @@ static void ReadParticle(Reader *r, PetscInt64 id)
 
     cell = NextCell(&next);
     if (!cell || (c == r->columns - 1 && next)) {
-      (void)snprintf(r->why, sizeof r->why,
-                     "line %" PetscInt64_FMT ": %s numbers than columns; allowed: %" PetscInt_FMT, r->line,
-                     cell ? "more" : "fewer", r->columns);
+      Why(r, "line %" PetscInt64_FMT ": %s numbers than columns; allowed: %" PetscInt_FMT, r->line,
+          cell ? "more" : "fewer", r->columns);
       return;
     }
     if (of == IGNORED) continue;
     value = strtod(cell, &end);
     if (end != cell) end += strspn(end, " \t");
     if (end == cell || *end || !IsAllowed(of, value)) {
-      (void)snprintf(r->why, sizeof r->why, "line %" PetscInt64_FMT ": %s '%.40s'; allowed: %s", r->line, names[of],
-                     cell, ranges[of].allowed);
+      Why(r, "line %" PetscInt64_FMT ": %s '%.40s'; allowed: %s", r->line, names[of], cell, ranges[of].allowed);
       return;
     }
     r->value[of][id] = value;
@@ -198,11 +193,10 @@ static void ReadGroups(Reader *r)
   (void)snprintf(path, sizeof path, "/%s/particles/coordinates", r->group);
   if (!r->group[0] || !MpmHdf5Array(&r->hdf5, path, 2, &dims, shape) || dims != 2 || shape[0] < 1 ||
       shape[1] != (r->dim == 1 ? 3 : r->dim)) {
-    (void)snprintf(r->why, sizeof r->why,
-                   "no particles of a step with -dim %" PetscInt_FMT
-                   " are in it; allowed: CSV, or what run -output has "
-                   "written (run -restart FILE -output OUT.h5 makes that of a checkpoint)",
-                   r->dim);
+    Why(r,
+        "no particles of a step with -dim %" PetscInt_FMT " are in it; allowed: CSV, or what run -output has "
+        "written (run -restart FILE -output OUT.h5 makes that of a checkpoint)",
+        r->dim);
     return;
   }
   r->particles = shape[0];
@@ -231,11 +225,11 @@ static PetscErrorCode ReadArrays(Reader *r)
     for (PetscInt64 id = 0; id < r->particles && !r->hdf5.failed && !r->why[0]; id++) {
       if (r->of[c] < VOLUME) value[id] = x[width * id + r->of[c]];
       if (!IsAllowed(r->of[c], value[id]))
-        (void)snprintf(r->why, sizeof r->why, "particle %" PetscInt64_FMT ": %s %g; allowed: %s", id, names[r->of[c]],
-                       value[id], ranges[r->of[c]].allowed);
+        Why(r, "particle %" PetscInt64_FMT ": %s %g; allowed: %s", id, names[r->of[c]], value[id],
+            ranges[r->of[c]].allowed);
     }
   }
-  if (r->hdf5.failed) (void)snprintf(r->why, sizeof r->why, "HDF5 cannot read it; allowed: a whole file");
+  if (r->hdf5.failed) Why(r, "HDF5 cannot read it; allowed: a whole file");
   PetscCall(PetscFree(x));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -250,9 +244,7 @@ static PetscErrorCode Open(const char path[], Reader *r)
   PetscFunctionBegin;
   if (MpmRankOf(PETSC_COMM_WORLD) == 0) {
     r->stream = MpmFileOpen(path, &error);
-    if (!r->stream)
-      (void)snprintf(r->why, sizeof r->why, "%s; allowed: uniform, random, or a CSV or HDF5 file of particles",
-                     MpmFileReason(error));
+    if (!r->stream) Why(r, "%s; allowed: uniform, random, or a CSV or HDF5 file of particles", MpmFileReason(error));
     if (r->stream) PetscCall(MpmHdf5Is(path, &is));
     if (is) {
       PetscCall(MpmHdf5Open(PETSC_COMM_SELF, path, &r->hdf5));

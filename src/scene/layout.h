@@ -18,11 +18,7 @@ PetscInt   MpmLayoutSitesIn(const MpmLayout *layout, PetscInt cell);
 
 extern const char *const MpmShapeNames[]; /* of the option shape */
 
-/*
-   Not collective. The number of particle id in the box of sites that particles take, and the particle at a site of the
-   box, -1: none. They are the same where particles fill the box.
-*/
-PetscInt64 MpmLayoutBoxOf(const MpmLayout *layout, PetscInt64 id);
+/* Not collective. The particle at a site of the box of sites that particles take, -1: none. */
 PetscInt64 MpmLayoutIdAt(const MpmLayout *layout, PetscInt64 box);
 
 /* Not collective. The site of particle id in each direction. */

@@ -140,6 +140,7 @@ PLASTIC(HasFrictionAngle, MPM_FRICTION_ANGLE)
 #define MADE(kind, member) KEPT(kind, member), .by_hand = PETSC_TRUE
 #define ASKED(kind, member) .value = MPM_##kind, .owner = MPM_OF_REQUEST, .at = offsetof(MpmRequest, member)
 #define OF_MATRIX          .of_matrix = PETSC_TRUE
+#define OF_CODE            OF_MATRIX, .with = "program or plugin"
 #define READS              .file = MPM_FILE_READ
 #define WRITES(of)         .file = MPM_FILE_WRITTEN, .endings = of
 #define WORDS(names)       .words = names
@@ -374,25 +375,25 @@ const MpmField MpmOptions[] = {
   {"plugin", MPM_PATH, NULL, "shared library of a code in place of a scene, with the functions of mpmstab/plugin.h",
    NO_RANGE, .rival = "program", .tasks = "spectrum, symbol, critical, map", FILE_IN(plugin), IN(64, 46, 0, 0), OF_MATRIX, READS},
   {"program_set", MPM_PATH, NULL, "parameters of program or plugin that are set before the first step, such as dt=2e-4,E=400",
-   NO_RANGE, .tasks = "spectrum, symbol, critical, map", FILE_IN(program_set), IN(65, 47, 0, 0), OF_MATRIX},
+   NO_RANGE, .tasks = "spectrum, symbol, critical, map", FILE_IN(program_set), IN(65, 47, 0, 0), OF_CODE},
   {"program_base", MPM_PATH, NULL, "fields of program or plugin that are changed at all particles of its state, such as stress=-1e-3: a base state beside a switch",
-   NO_RANGE, .tasks = "spectrum, symbol, critical, map", FILE_IN(program_base), OF_MATRIX},
+   NO_RANGE, .tasks = "spectrum, symbol, critical, map", FILE_IN(program_base), OF_CODE},
   {"program_dt", MPM_PATH, NULL, "parameter of program or plugin that is its time step (default: dt)",
-   NO_RANGE, FILE_IN(program_dt), .tasks = "critical, spectrum, symbol", OF_MATRIX},
+   NO_RANGE, FILE_IN(program_dt), .tasks = "critical, spectrum, symbol", OF_CODE},
   {"program_timeout", MPM_REAL, "60", "seconds in which program, or a function of plugin, must answer",
-   ABOVE(0), .tasks = "spectrum, symbol, critical, map", ASKED(AS_REAL, program_timeout), OF_MATRIX},
+   ABOVE(0), .tasks = "spectrum, symbol, critical, map", ASKED(AS_REAL, program_timeout), OF_CODE},
   {"program_period", MPM_INTEGER, NULL, "steps after which a step of program or plugin that changes with its number repeats; they are probed together (default: what the code says, or below 16 what is found)",
-   BETWEEN(1, 1000000), .tasks = "spectrum, symbol, critical, map", ASKED(AS_COUNT, program_period), OF_MATRIX},
+   BETWEEN(1, 1000000), .tasks = "spectrum, symbol, critical, map", ASKED(AS_COUNT, program_period), OF_CODE},
   {"program_run", MPM_INTEGER, NULL, "steps that program or plugin is run, with random perturbations beside it: growth is measured, with its confidence interval, and no operator is built",
-   BETWEEN(10, 1000000000), .tasks = "spectrum", ASKED(AS_COUNT, program_run), OF_MATRIX},
+   BETWEEN(10, 1000000000), .tasks = "spectrum", ASKED(AS_COUNT, program_run), OF_CODE},
   {"probe", MPM_WORD, NULL, "how program or plugin is probed: bloch (one cell), coloured (particles that do not feel one another at a time) or matrix_free (every column, or products alone) (default: bloch where all cells are alike, coloured in other layouts, matrix_free where a step reaches the whole domain or particles have no places)",
-   WORDS(MpmProbeNames), .tasks = "spectrum, symbol, critical, map", OF_MATRIX},
+   WORDS(MpmProbeNames), .tasks = "spectrum, symbol, critical, map", OF_CODE},
   {"compare", MPM_PATH, NULL, "keys of a scene, such as formulation=usl,transfer=apic,courant=0.5: the step of program or plugin is compared with that scheme, block by block; particles and dt are those of the code",
-   NO_RANGE, .tasks = "spectrum, symbol", FILE_IN(compare), IN(67, 49, 0, 0), OF_MATRIX},
+   NO_RANGE, .tasks = "spectrum, symbol", FILE_IN(compare), IN(67, 49, 0, 0), OF_CODE},
   {"at", MPM_PATH, NULL, "steps of program or plugin after which its state is probed, such as 0,100,200",
-   NO_RANGE, .tasks = "spectrum", FILE_IN(at), IN(66, 48, 0, 0), OF_MATRIX},
+   NO_RANGE, .tasks = "spectrum", FILE_IN(at), IN(66, 48, 0, 0), OF_CODE},
   {"matrix_steps", MPM_INTEGER, NULL, "steps that the matrix or the blocks cover, so that growth is per step (default: what the file says, else 1)",
-   BETWEEN(1, MPM_MATRIX_MOST_STEPS), .tasks = "spectrum, symbol", ASKED(AS_COUNT, matrix_steps), OF_MATRIX},
+   BETWEEN(1, MPM_MATRIX_MOST_STEPS), .tasks = "spectrum, symbol", ASKED(AS_COUNT, matrix_steps), OF_MATRIX, .with = "matrix or matrix_blocks"},
   {"write_matrix", MPM_PATH, NULL, "file for the operator: .mtx (Matrix Market), .npz (scipy), .h5, .hdf5 or .petsc",
    NO_RANGE, FILE_IN(write_matrix), .tasks = "spectrum", OF_MATRIX, WRITES(".mtx, .npz, .h5, .hdf5 or .petsc")},
   {"write_blocks", MPM_PATH, NULL, "file for the blocks A_d, of which the symbol is sum_d A_d e^(-i beta.d): .npz, .h5 or .hdf5",

@@ -5,7 +5,6 @@
 #pragma once
 #include "base/progress.h"
 #include "scene/mach.h"
-#include "scene/neighbourhood.h"
 #include <mpmstab/scene.h>
 #include <mpmstab/verdict.h>
 #include <string.h>
@@ -67,6 +66,26 @@ extern const char *const MpmProbeNames[];
 E*/
 typedef enum { MPM_TANGENT_NONE, MPM_TANGENT_RANDOM, MPM_TANGENT_MODE } MpmTangentKind;
 extern const char *const MpmTangentNames[];
+
+/*E
+   MpmNeighbourhoodKind - MPM_IN_BULK: the scene as it is. MPM_AT_EDGE: a half-space of its lattice; MPM_AT_CORNER: a
+   quarter-space. Their free surfaces go through the grid. MPM_ALONE: one particle. MPM_AT_RANDOM: layouts with voids.
+   MPM_DISORDERED: random layouts of as many particles as the lattice has.
+   MPM_AT_WORST: the layout of the least limit that a search over places and numbers of particles finds.
+E*/
+typedef enum {
+  MPM_IN_BULK,
+  MPM_AT_EDGE,
+  MPM_AT_CORNER,
+  MPM_ALONE,
+  MPM_AT_RANDOM,
+  MPM_DISORDERED,
+  MPM_AT_WORST,
+  MPM_NEIGHBOURHOODS
+} MpmNeighbourhoodKind;
+
+/* The words of the option. The last one, all, stands after those of the kinds. */
+extern const char *const MpmNeighbourhoodNames[];
 
 #define MPM_MATRIX_MOST_STEPS 1000000 /* that a matrix from a file covers */
 #define MPM_MAX_DIVISORS 16

@@ -2,10 +2,11 @@
    From settings to a scene: reads the fields in the order in which one needs another, forms the numbers that follow
    from them, and refuses what does not exist or does not go together.
 */
-#include "scene/layout.h"
 #include "base/text.h"
+#include "scene/layout.h"
 #include "scene/material.h"
 #include "scene/settings.h"
+#include <mpmstab/errors.h>
 #include <math.h>
 #include <string.h>
 
@@ -280,12 +281,7 @@ static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
   PetscReal  range[MPM_MAX_DIM][2];
 
   PetscFunctionBegin;
-  if (!MpmSettingsGiven(settings, "fill")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (l->counts.n > 1) {
-    PetscCall(MpmSettingsRefuseUnless(settings, "fill", "counts",
-                                      "allowed: with ppc (counts may be 0 where there is nothing)"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  if (!MpmSettingsGiven(settings, "fill") || l->counts.n > 1) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsRanges(settings, "fill", l->dim, range));
   l->particles = 1;
   for (PetscInt a = 0; a < l->dim; a++) {
@@ -315,10 +311,6 @@ static PetscErrorCode ReadSpace(const MpmSettings *settings, MpmScene *scene)
     else
       PetscCall(MpmSettingsRequire(settings, scene, "gradient", HasGradient, "gradient"));
   }
-  if (!MpmSceneHasPoisson(scene))
-    PetscCall(MpmSettingsRefuseUnless(
-        settings, "poisson", "dim,formulation",
-        "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -331,8 +323,6 @@ static PetscErrorCode ReadRatios(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   PetscCall(MpmSettingsRequire(settings, scene, "material", CanDiffer, "density and stiffness of each particle"));
-  if (m->kind != MPM_MATERIAL_TWO)
-    PetscCall(MpmSettingsRefuseUnless(settings, "inclusion", "material", "allowed: only with material two"));
   for (PetscInt a = 0; a < l->dim; a++) {
     PetscReal *inclusion = m->inclusion[a];
 
@@ -356,14 +346,8 @@ static PetscErrorCode ReadMaterial(const MpmSettings *settings, MpmScene *scene)
   scene->layout.material.kind = i < MPM_MATERIAL_KINDS ? (MpmMaterialKind)i : MPM_MATERIAL_UNIFORM;
   if (scene->layout.material.kind != MPM_MATERIAL_UNIFORM)
     PetscCall(ReadRatios(settings, scene));
-  else {
-    PetscCall(
-        MpmSettingsRefuseUnless(settings, "density_ratio", "material", "allowed: only with material two or graded"));
-    PetscCall(
-        MpmSettingsRefuseUnless(settings, "stiffness_ratio", "material", "allowed: only with material two or graded"));
-    PetscCall(MpmSettingsRefuseUnless(settings, "inclusion", "material", "allowed: only with material two"));
+  else
     scene->layout.material = (MpmMaterial){.kind = MPM_MATERIAL_UNIFORM, .density = 1, .stiffness = 1};
-  }
   if (scene->layout.given) {
     if (scene->layout.given->has[1] || scene->layout.given->has[2] || scene->layout.varies[MPM_MOBILITY])
       PetscCall(MpmSettingsRequire(settings, scene, "layout", CanDiffer, "density and stiffness of each particle"));
@@ -374,6 +358,42 @@ static PetscErrorCode ReadMaterial(const MpmSettings *settings, MpmScene *scene)
   varies[MPM_STIFFNESS] = scene->layout.material.stiffness != 1 ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ---- what does not go together ---- */
+
+/* clang-format off */
+MPM_WHEN(HasNoPoisson, !MpmSceneHasPoisson(s))
+MPM_WHEN(HasNoInclusion, s->layout.material.kind != MPM_MATERIAL_TWO)
+MPM_WHEN(HasOneMaterial, s->layout.material.kind == MPM_MATERIAL_UNIFORM)
+MPM_WHEN(HasCounts, s->layout.counts.n > 1)
+MPM_WHEN(HasDimensions, s->layout.dim > 1)
+MPM_WHEN(IsLinear, !s->scheme.space.finite)
+MPM_WHEN(IsFinite, s->scheme.space.finite)
+MPM_WHEN(HasNoShapes, !s->scheme.space.finite || s->layout.dim == 1)
+MPM_WHEN(HasOneStep, s->safety == 0)
+MPM_WHEN(IsUnstretched, !s->scheme.space.finite && s->law == &MpmLawLinear)
+MPM_WHEN(IsFluid, s->scheme.space.finite && !s->law->solid)
+MPM_WHEN(IsNotNeo, !s->scheme.space.finite && s->law != &MpmLawNeo)
+MPM_WHEN(IsNeoInSpace, !s->scheme.space.finite && s->law == &MpmLawNeo && s->layout.dim > 1)
+MPM_WHEN(HasNoExponent, !(s->law->exponent > 0))
+
+static const MpmRule rules[] = {
+  {"gravity,halvings", "kinematics", MPM_FROM_SCENE, IsLinear, "allowed: only with kinematics finite"},
+  {"stretch", "material", MPM_FROM_SCENE, IsUnstretched, "allowed: only with material neo, svk, tait, gas or polytropic"},
+  {"lame_ratio", "material", MPM_FROM_SCENE, IsFluid, "it is a fluid; allowed: only with a solid"},
+  {"lame_ratio", "material", MPM_FROM_SCENE, IsNotNeo, "allowed: only with material neo"},
+  {"lame_ratio", "material", MPM_FROM_SCENE, IsNeoInSpace, "poisson says it with dim 2 or 3; allowed: only with dim 1"},
+  {"exponent", "material", MPM_FROM_SCENE, HasNoExponent, "allowed: only with material tait or polytropic"},
+  {"prestress", "kinematics", MPM_FROM_SCENE, IsFinite, "with kinematics finite material and stretch give it; allowed: one of the two"},
+  {"cluster", "dim", MPM_FROM_SCENE, HasDimensions, "allowed: only with dim 1"},
+  {"fill", "counts", MPM_FROM_SCENE, HasCounts, "allowed: with ppc (counts may be 0 where there is nothing)"},
+  {"shape", "kinematics,dim", MPM_FROM_SCENE, HasNoShapes, "allowed: with kinematics finite and dim 2 or 3"},
+  {"poisson", "dim,formulation", MPM_FROM_SCENE, HasNoPoisson, "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"},
+  {"safety,step_bound", "courant", MPM_FROM_SCENE, HasOneStep, "allowed: only with courant auto"},
+  {"density_ratio,stiffness_ratio", "material", MPM_FROM_SCENE, HasOneMaterial, "allowed: only with material two or graded"},
+  {"inclusion", "material", MPM_FROM_SCENE, HasNoInclusion, "allowed: only with material two"},
+  {NULL}};
+/* clang-format on */
 
 /* ---- sizes ---- */
 
@@ -398,7 +418,7 @@ static PetscErrorCode CheckSizes(const MpmSettings *settings, const MpmScene *sc
 }
 
 /* The order matters: what is read later needs what was read before. */
-PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
+static PetscErrorCode ReadProblem(MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
   PetscCall(MpmSettingsReadScheme(settings));
@@ -407,12 +427,8 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsReadGiven(settings, scene));
   PetscCall(MpmSettingsReadWaveSpeed(settings, scene));
   PetscCall(MpmSettingsReadKinematics(settings, scene));
-  if (scene->scheme.space.finite)
-    PetscCall(MpmSettingsReadFiniteLaw(settings, scene));
-  else
-    PetscCall(MpmSettingsReadLaw(settings, scene));
+  PetscCall(MpmSettingsReadLaw(settings, scene));
   PetscCall(MpmSettingsReadGrid(settings, scene));
-  PetscCall(MpmSettingsMachDrift(settings, scene));
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
   PetscCall(MpmSettingsReadColliders(settings, scene));
@@ -422,6 +438,7 @@ PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadSpace(settings, scene));
   PetscCall(MpmSettingsReadPace(settings, scene));
   PetscCall(ReadMaterial(settings, scene));
+  PetscCall(MpmSettingsCheckRules(settings, rules, scene, NULL));
   if (scene->scheme.space.finite)
     PetscCall(MpmSettingsCheckFinite(settings, scene));
   else
@@ -447,4 +464,86 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene)
   }
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- scene and request ---- */
+
+/* Who asks for a limit means that of a scheme. The default's would be taken for an answer. */
+static PetscErrorCode AskFormulation(const MpmSettings *settings, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  if (strcmp(request->task, "critical") || settings->scene[0] || request->survey ||
+      MpmSettingsSource(settings, "formulation") != MPM_FROM_DEFAULT || MpmSettingsGiven(settings, "scheme"))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  MpmRefuse("critical: of which scheme? allowed: with a formulation, as in 'mpmstab critical usl' or 'mpmstab critical "
+            "musl -basis quadratic'; 'mpmstab list formulations' shows them, -survey compares them");
+}
+
+static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmRequest *request)
+{
+  PetscBool matrix;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsCheckTrust(settings));
+  PetscCall(MpmSettingsNameMatrix(settings, request->task, &matrix));
+  if (matrix) {
+    PetscCall(MpmSceneDestroy(scene));
+    PetscCall(MpmSettingsReadScheme(settings));
+    PetscCall(MpmSettingsReadMatrixRequest(settings, request));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(ReadProblem(settings, *scene));
+  PetscCall(MpmSettingsReadRequest(settings, *scene, request));
+  PetscCall(AskFormulation(settings, request));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Makes a scene from a file, or from text that messages call by a name, and with a request from the command line, too. A
+   refusal frees what there is, since a program such as the fuzzer reads one scene after another.
+*/
+static PetscErrorCode Make(const char path[], const char name[], const char yaml[], MpmRequest *request,
+                           MpmScene **scene)
+{
+  MpmSettings   *settings = NULL;
+  PetscErrorCode ierr;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(scene));
+  (*scene)->law = &MpmLawLinear;
+  ierr          = MpmSettingsCreate(&settings);
+  if (!ierr && path) ierr = MpmSettingsReadScene(settings, path);
+  if (!ierr && yaml) ierr = MpmSettingsReadText(settings, name, yaml);
+  if (!ierr && request) ierr = MpmSettingsReadCommandLine(settings);
+  if (!ierr) ierr = request ? ReadBoth(settings, scene, request) : ReadProblem(settings, *scene);
+  PetscCall(MpmSettingsDestroy(&settings));
+  if (ierr) PetscCall(MpmSceneDestroy(scene));
+  PetscCall(ierr);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene, MpmRequest *request)
+{
+  MpmRequest unwanted;
+
+  PetscFunctionBegin;
+  if (!request) request = &unwanted;
+  *request = (MpmRequest){.task = task};
+  PetscCall(Make(path, NULL, NULL, request, scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSceneFromNamedText(const char name[], const char yaml[], MpmScene **scene)
+{
+  return Make(NULL, name, yaml, NULL, scene);
+}
+
+PetscErrorCode MpmSceneFromText(const char yaml[], MpmScene **scene)
+{
+  return Make(NULL, "text", yaml, NULL, scene);
+}
+
+PetscErrorCode MpmSceneFromFile(const char path[], MpmScene **scene)
+{
+  return Make(path, NULL, NULL, NULL, scene);
 }

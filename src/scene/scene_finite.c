@@ -1,9 +1,4 @@
-/*
-   Finite deformation: which scenes can have it, and the material, stretch and gravity of one that does.
-
-   The wave speed c of such a scene is that of the uniform stretch which it starts from, as about a prestress. So Courant
-   number and drift mean the same as in the linear scheme about that state.
-*/
+/* Finite deformation: which scenes can have it, and what else it asks for; and how a run chooses its steps. */
 #include "scene/settings.h"
 #include <math.h>
 #include <stdio.h>
@@ -105,8 +100,6 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
   PetscCall(MpmSettingsWord(settings, "kinematics", &word));
   scene->scheme.space.finite = word ? PETSC_TRUE : PETSC_FALSE;
   if (!word) {
-    PetscCall(MpmSettingsRefuseUnless(settings, "gravity", "kinematics", "allowed: only with kinematics finite"));
-    PetscCall(MpmSettingsRefuseUnless(settings, "halvings", "kinematics", "allowed: only with kinematics finite"));
     PetscCall(PetscArrayzero(scene->gravity, MPM_MAX_DIM));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
@@ -122,138 +115,6 @@ PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   lambda / mu of a solid: with dim 1 the option lame_ratio, else it follows from Poisson's ratio unless lame_ratio is
-   given. The scene has the one that follows from the other, too.
-*/
-static PetscErrorCode SetRatio(const MpmSettings *settings, MpmScene *scene)
-{
-  static const char *const rivals[] = {"poisson", "bulk", "shear"};
-  const PetscReal          nu       = scene->scheme.space.poisson;
-  PetscBool                given    = MpmSettingsSource(settings, "lame_ratio") != MPM_FROM_DEFAULT;
-
-  PetscFunctionBegin;
-  if (scene->layout.dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(rivals) && given; i++) {
-    if (MpmSettingsSource(settings, rivals[i]) == MPM_FROM_DEFAULT) continue;
-    PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", rivals[i],
-                                      "poisson, or bulk and shear, say it too with dim 2 or 3; allowed: one of them"));
-    given = PETSC_FALSE;
-  }
-  if (given) {
-    scene->scheme.space.poisson = scene->lame_ratio / (2 * (1 + scene->lame_ratio));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  MpmSettingsRefuseIf(nu == 0.5, settings, "poisson",
-                      "a solid at finite deformation resists a change of its shape; allowed: less than 0.5, "
-                      "or material tait, gas or polytropic");
-  scene->lame_ratio = 2 * nu / (1 - 2 * nu);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   rho0 c^2 of P waves along x about the stretch F, in units of rho0 c0^2. Such a wave has dF = H F with H_xx alone, and the
-   force d tau_xx - tau_xx H_xx.
-*/
-static PetscReal ModulusAlongX(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
-{
-  PetscReal        dF[MPM_MOST_STRETCH] = {0}, tau[6], dtau[6], *to[6], *dto[6];
-  const PetscReal *from[MPM_MOST_STRETCH], *dfrom[MPM_MOST_STRETCH];
-
-  for (PetscInt a = 0; a < dim; a++) dF[a] = F[a];
-  for (PetscInt c = 0; c < MpmMaterialComponents(material->law, dim); c++) {
-    from[c]  = &F[c];
-    dfrom[c] = &dF[c];
-  }
-  for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) {
-    to[c]  = &tau[c];
-    dto[c] = &dtau[c];
-  }
-  MpmMaterialStress(material, dim, 1, from, to);
-  MpmMaterialTangent(material, dim, 1, from, dfrom, dto);
-  return dtau[0] - tau[0];
-}
-
-/* The materials that read a number, as a list of words. */
-static void ReadersOf(PetscInt number, size_t room, char text[])
-{
-  size_t used = (size_t)snprintf(text, room, "allowed: only with material ");
-  int    n    = 0;
-
-  for (const MpmLaw *const *law = MpmLaws; *law; law++)
-    if ((*law)->plastic && (*law)->plastic->number[number].reads)
-      used += (size_t)snprintf(text + used, room - used, "%s%s", n++ ? " or " : "", (*law)->name);
-}
-
-PetscErrorCode MpmSettingsReadPlastic(const MpmSettings *settings, MpmScene *scene)
-{
-  const MpmPlastic *law = scene->law->plastic;
-  char              text[256];
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS; i++) {
-    const char *name = MpmPlasticNames[i];
-
-    ReadersOf(i, sizeof text, text);
-    if (!law || !law->number[i].reads) PetscCall(MpmSettingsRefuseUnless(settings, name, "material", text));
-    if (!law || !law->number[i].reads || MpmSettingsGiven(settings, name)) continue;
-    scene->plastic[i] = law->number[i].usual;
-  }
-  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS && law; i++)
-    MpmSettingsRefuseIf(law->number[i].reads &&
-                            !(scene->plastic[i] >= law->number[i].least && scene->plastic[i] <= law->number[i].most),
-                        settings, MpmPlasticNames[i], "allowed with material %s: from %g to %g", scene->law->name,
-                        (double)law->number[i].least, (double)law->number[i].most);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The steps of a formulation have one stage, so that a particle flows from the state of the step before. */
-static PetscBool HasOneStage(const MpmFormulation *f)
-{
-  for (PetscInt field = 0; f->particle_fields[field]; field++)
-    if (f->scratch[field] && f->particle_ranks[field] == MPM_TENSOR) return PETSC_FALSE;
-  return PETSC_TRUE;
-}
-
-PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *scene)
-{
-  MpmSpace *space = &scene->scheme.space;
-  PetscInt  word, dim                    = scene->layout.dim;
-  PetscReal modulus, F[MPM_MOST_STRETCH] = {0};
-
-  PetscFunctionBegin;
-  PetscCall(MpmSettingsWord(settings, "material", &word));
-  MpmSettingsRefuseIf(word > 0 && word < MPM_MATERIAL_KINDS, settings, "material",
-                      "with kinematics finite all particles are of one material; allowed: uniform (linear in "
-                      "the stretch), neo, svk, tait, gas, polytropic, mises, snow or sand");
-  scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
-  if (!scene->law->solid)
-    PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", "material", "it is a fluid; allowed: only with a solid"));
-  if (!(scene->law->exponent > 0))
-    PetscCall(
-        MpmSettingsRefuseUnless(settings, "exponent", "material", "allowed: only with material tait or polytropic"));
-  PetscCall(MpmSettingsRefuseUnless(settings, "prestress", "kinematics",
-                                    "with kinematics finite material and stretch give it; allowed: one of the two"));
-  PetscCall(PetscArrayzero(space->prestress, PETSC_STATIC_ARRAY_LENGTH(space->prestress)));
-  if (scene->law->exponent > 0 && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law->exponent;
-  if (scene->law->solid) PetscCall(SetRatio(settings, scene));
-  space->material = MpmMaterialOfRatio(scene->law, scene->law->solid ? scene->lame_ratio : 0, scene->exponent);
-  PetscCall(MpmSettingsReadPlastic(settings, scene));
-  PetscCall(PetscArraycpy(space->material.plastic, scene->plastic, MPM_PLASTIC_NUMBERS));
-  if (scene->law->plastic)
-    PetscCall(MpmSettingsRequire(settings, scene, "material", HasOneStage, "steps of one stage, without IMPLICIT"));
-  for (PetscInt c = dim * dim; c < MpmMaterialComponents(scene->law, dim); c++)
-    (void)MpmMaterialInternal(scene->law, c - dim * dim, &F[c]);
-  for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = space->stretch[a] = scene->stretch[a];
-  modulus = ModulusAlongX(&space->material, dim, F);
-  MpmSettingsRefuseIf(!(modulus > 0) || !isfinite(modulus), settings, "stretch",
-                      "the material has no stiffness against more stretch there, so that waves have no speed; "
-                      "allowed: a stretch with a stress that rises");
-  space->stiffness = 1 / modulus;
-  scene->wave_speed *= sqrt(modulus);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 const char *const MpmStepBoundNames[] = {"lanczos", "particle", "lone", NULL};
 
 #define SAFETY 0.8      /* measured on runs that fail (examples/warnings) */
@@ -266,11 +127,7 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
   PetscBool moves = PETSC_FALSE;
 
   PetscFunctionBegin;
-  if (!MpmSettingsIsAlso(settings, "courant")) {
-    PetscCall(MpmSettingsRefuseUnless(settings, "safety", "courant", "allowed: only with courant auto"));
-    PetscCall(MpmSettingsRefuseUnless(settings, "step_bound", "courant", "allowed: only with courant auto"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  if (!MpmSettingsIsAlso(settings, "courant")) PetscFunctionReturn(PETSC_SUCCESS);
   scene->safety = less ? SAFETY_LESS : SAFETY;
   if (MpmSettingsGiven(settings, "safety")) PetscCall(MpmSettingsReal(settings, "safety", &scene->safety));
   MpmSettingsRefuseIf(!scene->scheme.space.finite, settings, "courant",

@@ -1,13 +1,255 @@
 /*
-   From settings to a scene: the grid, where particles are in it, the time step, and how far particles move in one.
+   From settings to a scene: wave speed and units, the grid, where particles are in it, the time step, and how far particles
+   move in one.
 */
+#include "base/text.h"
 #include "scene/layout.h"
 #include "scene/settings.h"
+#include <mpmstab/scheme.h>
 #include <math.h>
 #include <string.h>
 
-#define MOST_PARTICLES (PETSC_MAX_INT / 2)
+/*
+   The wave speed of a scene, from moduli and density or as it is given, and whether the scene is in physical units.
+
+   With K the bulk and G the shear modulus, M = K + 4/3 G is the stiffness against a strain in one direction alone, and
+   c = sqrt(M / rho) the speed of pressure waves. M = E (1 - nu) / ((1 + nu) (1 - 2 nu)). In one dimension E is that of a
+   bar whose sides are free, where M = E. See any book on elasticity, such as Landau and Lifshitz (1986), sections 5, 22.
+*/
+
 #define MOST_DRIFT 1e6 /* cells per step */
+
+static const char *const moduli[] = {"young", "bulk", "shear"};
+
+/* Adds the name of an option to a list, unless it was given. */
+static void AddMissing(const MpmSettings *settings, const char name[], size_t room, char list[])
+{
+  if (MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT) return;
+  if (list[0]) MpmTextJoin(list, " and ", room);
+  MpmTextJoin(list, name, room);
+}
+
+/* Refuses a modulus without the others that it needs; density and poisson have a meaning beside a wave speed, too. */
+static PetscErrorCode CheckComplete(const MpmSettings *settings, const MpmScene *scene, const char modulus[])
+{
+  const PetscBool is_young    = MpmSettingsGiven(settings, "young");
+  char            missing[64] = "";
+
+  PetscFunctionBegin;
+  if (!is_young) AddMissing(settings, "bulk", sizeof missing, missing);
+  if (!is_young) AddMissing(settings, "shear", sizeof missing, missing);
+  if (is_young && scene->layout.dim > 1) AddMissing(settings, "poisson", sizeof missing, missing);
+  AddMissing(settings, "density", sizeof missing, missing);
+  if (!missing[0]) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsRefuse(
+      settings, modulus, "the wave speed needs %s besides; allowed: %s, bulk with shear and density, or sound_speed",
+      missing, scene->layout.dim > 1 ? "young with poisson and density" : "young with density"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A formulation without a stress, in more than one dimension, has a bulk modulus at most. */
+static PetscErrorCode CheckStress(const MpmSettings *settings, const MpmScene *scene, const char modulus[])
+{
+  PetscFunctionBegin;
+  if (scene->layout.dim == 1 || MpmSceneHasPoisson(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsRefuse(settings, modulus,
+                              "%s has no stress with dim %" PetscInt_FMT "; allowed: bulk with shear 0, or sound_speed",
+                              scene->scheme.formulation->name, scene->layout.dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FromYoung(const MpmSettings *settings, const MpmScene *scene, PetscReal *stiffness)
+{
+  PetscReal nu = 0;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsReal(settings, "young", stiffness));
+  PetscCall(CheckStress(settings, scene, "young"));
+  PetscCall(CheckComplete(settings, scene, "young"));
+  if (scene->layout.dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
+  nu = scene->scheme.space.poisson;
+  MpmSettingsRefuseIf(nu == 0.5, settings, "poisson",
+                      "with young, the wave speed would be infinite; allowed: less than 0.5, or bulk with "
+                      "shear 0, or sound_speed");
+  *stiffness *= (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* nu = (3 K - 2 G) / (2 (3 K + G)). */
+static PetscErrorCode FromBulkAndShear(const MpmSettings *settings, MpmScene *scene, PetscReal *stiffness)
+{
+  PetscReal bulk, shear, nu;
+
+  PetscFunctionBegin;
+  PetscCall(CheckComplete(settings, scene, MpmSettingsGiven(settings, "bulk") ? "bulk" : "shear"));
+  PetscCall(MpmSettingsReal(settings, "bulk", &bulk));
+  PetscCall(MpmSettingsReal(settings, "shear", &shear));
+  if (shear > 0) PetscCall(CheckStress(settings, scene, "shear"));
+  *stiffness = bulk + 4 * shear / 3;
+  nu         = (3 - 2 * (shear / bulk)) / (2 * (3 + shear / bulk));
+  if (!MpmSceneHasPoisson(scene)) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmSettingsRefuseIf(!(nu >= 0), settings, "shear",
+                      "Poisson's ratio would be below 0; allowed: at most 1.5 times bulk");
+  scene->scheme.space.poisson = nu;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode FromModuli(const MpmSettings *settings, MpmScene *scene)
+{
+  static const char *const given[] = {"young", "bulk", "shear", "density"};
+  PetscReal                stiffness;
+
+  PetscFunctionBegin;
+  if (MpmSettingsGiven(settings, "young"))
+    PetscCall(FromYoung(settings, scene, &stiffness));
+  else
+    PetscCall(FromBulkAndShear(settings, scene, &stiffness));
+  scene->wave_speed = sqrt(stiffness) / sqrt(scene->density);
+  MpmSettingsRefuseIf(!isnormal(scene->wave_speed), settings,
+                      MpmSettingsFarthest(settings, PETSC_STATIC_ARRAY_LENGTH(given), given),
+                      "the wave speed is out of range with it; allowed: a number nearer to 1");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReadWaveSpeed(const MpmSettings *settings, MpmScene *scene)
+{
+  static const char *const units[]    = {"density", "sound_speed", "cell_width", "dt"};
+  PetscBool                has_moduli = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(moduli); i++)
+    if (MpmSettingsGiven(settings, moduli[i])) has_moduli = PETSC_TRUE;
+  scene->physical = has_moduli;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(units); i++)
+    if (MpmSettingsGiven(settings, units[i])) scene->physical = PETSC_TRUE;
+  scene->has_step = MpmSettingsGiven(settings, "dt") || MpmSettingsSource(settings, "courant") != MPM_FROM_DEFAULT
+                        ? PETSC_TRUE
+                        : PETSC_FALSE;
+  if (has_moduli)
+    PetscCall(FromModuli(settings, scene));
+  else if (MpmSettingsGiven(settings, "density") && !MpmSettingsGiven(settings, "sound_speed") &&
+           MpmSettingsSource(settings, "wave_speed") == MPM_FROM_DEFAULT)
+    PetscCall(MpmSettingsRefuse(settings, "density",
+                                "there is no stiffness beside it; allowed: with young (and poisson with dim 2 or 3), "
+                                "with bulk and shear, or with sound_speed"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- velocities and Mach numbers, and the drift that they make ---- */
+
+PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, MpmMach *mach)
+{
+  MpmFraction number[MPM_MAX_DIM];
+  PetscBool   ok;
+
+  PetscFunctionBegin;
+  *mach = (MpmMach){.dim = dim, .unit = {.den = 1}};
+  if (!MpmSettingsGiven(settings, "mach")) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsFractions(settings, "mach", dim, number));
+  MpmMachCreate(dim, number, mach, &ok);
+  MpmSettingsRefuseIf(!ok, settings, "mach", "allowed: numbers of at most 15 digits, or fractions");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The first of two options that was given, along x, as a fraction; the number itself where neither was. */
+static PetscErrorCode OneOf(const MpmSettings *settings, const MpmScene *scene, const char name[], const char other[],
+                            PetscReal number, MpmFraction *fraction)
+{
+  MpmFraction each[MPM_MAX_DIM] = {{.value = number}};
+  const char *given = MpmSettingsGiven(settings, name) ? name : MpmSettingsGiven(settings, other) ? other : NULL;
+
+  PetscFunctionBegin;
+  if (given) PetscCall(MpmSettingsFractions(settings, given, scene->layout.dim, each));
+  *fraction = each[0];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   The drift of a velocity of 1, dt / h or k / c, or of a Mach number of 1, c dt / h or k. With the time step dt / h is
+   dt cells / L where the length is given. It is a fraction when the numbers that were given are, so that particles come back
+   to their places; the wave speed is none where moduli are given.
+*/
+static PetscErrorCode DriftOfOne(const MpmSettings *settings, const MpmScene *scene, PetscBool mach, MpmFraction *drift)
+{
+  const PetscBool has_dt = MpmSettingsGiven(settings, "dt"), has_width = MpmSettingsGiven(settings, "cell_width");
+  const PetscInt  cells = has_dt && !has_width ? scene->layout.grid[0].cells : 1;
+  const char     *step = has_dt ? "dt" : "courant", *width = has_width ? "cell_width" : "length";
+  MpmFraction     factor[4] = {{cells, 1, cells}, [2] = {1, 1, 1}}, speed, over = {1, 1, 1};
+
+  PetscFunctionBegin;
+  PetscCall(OneOf(settings, scene, step, step, has_dt ? scene->dt : scene->step.courant, &factor[1]));
+  PetscCall(OneOf(settings, scene, "wave_speed", "sound_speed", scene->wave_speed, &speed));
+  if (has_dt) PetscCall(OneOf(settings, scene, width, width, scene->cell_width, &over));
+  if (has_dt && mach) factor[2] = speed;
+  if (!has_dt && !mach) over = speed;
+  factor[3] = (MpmFraction){over.den, over.num, 1 / over.value};
+  *drift    = MpmFractionProduct(4, factor);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Reads the drift of a velocity, or the drift M k of a Mach number, if one of them is given. Where its terms are too long it
+   is the short fraction that is the same double, if there is one.
+*/
+static PetscErrorCode ReadMotion(const MpmSettings *settings, MpmScene *scene)
+{
+  const PetscBool   is_mach = MpmSettingsGiven(settings, "mach");
+  const char *const name    = is_mach ? "mach" : "velocity";
+  MpmFraction       factor[2], number[MPM_MAX_DIM], *drift = scene->step.drift;
+  MpmMach           mach;
+
+  PetscFunctionBegin;
+  if (!MpmSettingsGiven(settings, name)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(DriftOfOne(settings, scene, is_mach, &factor[1]));
+  if (is_mach) {
+    PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &mach));
+    factor[0] = mach.unit;
+    number[0] = MpmFractionProduct(2, factor);
+    if (!number[0].den) number[0] = MpmFractionNear(mach.unit.value * scene->step.courant, MPM_LONGEST_PERIOD);
+    MpmMachDrift(&mach, &number[0], drift);
+  } else
+    PetscCall(MpmSettingsFractions(settings, name, scene->layout.dim, number));
+  for (PetscInt a = 0; a < scene->layout.dim; a++) {
+    if (!is_mach) {
+      factor[0] = number[a];
+      drift[a]  = MpmFractionProduct(2, factor);
+      if (!drift[a].den)
+        drift[a] = MpmFractionNear(number[a].value * scene->dt / scene->cell_width, MPM_LONGEST_PERIOD);
+    }
+    MpmSettingsRefuseIf(!(PetscAbsReal(drift[a].value) <= MOST_DRIFT), settings, name,
+                        "allowed: at most 1e6 cells per step");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScene *scene, const MpmMach *mach)
+{
+  const PetscReal part = mach->unit.value * scene->step.courant;
+  MpmFraction     near, courant;
+  PetscInt64      common = 1;
+  char            over[32];
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < scene->layout.dim; a++) {
+    const PetscInt64 den = scene->step.drift[a].den;
+
+    common = den ? common / MpmCommonDivisor(common, den) * den : MPM_LONGEST_PERIOD + 1;
+    if (common > MPM_LONGEST_PERIOD) break;
+  }
+  if (common <= MPM_LONGEST_PERIOD) PetscFunctionReturn(PETSC_SUCCESS);
+  near = MpmFractionNearest(part, MPM_LONGEST_PERIOD);
+  if (!near.num) near = (MpmFraction){1, MPM_LONGEST_PERIOD, 1.0 / MPM_LONGEST_PERIOD};
+  courant = MpmMachCourant(mach, &near);
+  (void)snprintf(over, sizeof over, courant.den == 1 ? "" : "/%" PetscInt64_FMT, courant.den);
+  PetscCall(
+      MpmSettingsRefuse(settings, "mach",
+                        "at Courant number %.10g particles are not back in their places within %d steps; allowed: the "
+                        "nearest Courant number is %" PetscInt64_FMT "%s ('mpmstab run' takes any)",
+                        scene->step.courant, MPM_LONGEST_PERIOD, courant.num, over));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+#define MOST_PARTICLES (PETSC_MAX_INT / 2)
 #define SAME_WIDTH 1e-12
 
 /* ---- units, grid and time ---- */
@@ -73,76 +315,7 @@ static PetscErrorCode ReadTime(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   What the numbers that are a fraction's text are divided by: with the time step the width of a cell, or the length of
-   which it is a part; with the Courant number the wave speed, which is no such text where moduli are given.
-*/
-static PetscErrorCode Divisor(const MpmSettings *settings, const MpmScene *scene, PetscBool has_dt,
-                              MpmFraction *divisor)
-{
-  const char *const names[] = {has_dt ? "cell_width" : "wave_speed", has_dt ? "length" : "sound_speed"};
-  MpmFraction       each[MPM_MAX_DIM];
-
-  PetscFunctionBegin;
-  *divisor = (MpmFraction){.value = scene->wave_speed};
-  for (int i = 0; i < 2; i++) {
-    if (!MpmSettingsGiven(settings, names[i])) continue;
-    PetscCall(MpmSettingsFractions(settings, names[i], i && has_dt ? scene->layout.dim : 1, each));
-    *divisor = each[0];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   The drift U0 dt / h of a velocity U0. With the Courant number it is U0 k / c, with the time step U0 dt cells / L: a
-   fraction when the numbers that were given are, so that particles come back to their places. Where its terms are too
-   long it is the short fraction that is the same double, if there is one.
-*/
-static PetscErrorCode DriftOf(const MpmSettings *settings, const MpmScene *scene, const MpmFraction *velocity,
-                              MpmFraction *drift)
-{
-  const PetscBool   has_dt    = MpmSettingsGiven(settings, "dt");
-  const char *const step      = has_dt ? "dt" : "courant";
-  MpmFraction       factor[4] = {{.num = 1, .den = 1, .value = 1}}, over;
-
-  PetscFunctionBegin;
-  factor[1] = *velocity;
-  (void)MpmFractionParse(MpmSettingsNumberText(settings, step), &factor[2]);
-  if (has_dt && MpmSettingsGiven(settings, "length")) {
-    const PetscInt cells = scene->layout.grid[0].cells;
-
-    factor[0] = (MpmFraction){.num = cells, .den = 1, .value = cells};
-  }
-  PetscCall(Divisor(settings, scene, has_dt, &over));
-  factor[3] = (MpmFraction){.num = over.den, .den = over.num, .value = 1 / over.value};
-  *drift    = MpmFractionProduct(4, factor);
-  if (!drift->den) *drift = MpmFractionNear(velocity->value * scene->dt / scene->cell_width, MPM_LONGEST_PERIOD);
-  MpmSettingsRefuseIf(!(PetscAbsReal(drift->value) <= MOST_DRIFT), settings, "velocity",
-                      "allowed: at most 1e6 cells per step");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadVelocity(const MpmSettings *settings, MpmScene *scene)
-{
-  MpmFraction velocity[MPM_MAX_DIM];
-
-  PetscFunctionBegin;
-  if (!MpmSettingsGiven(settings, "velocity")) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsFractions(settings, "velocity", scene->layout.dim, velocity));
-  for (PetscInt a = 0; a < scene->layout.dim; a++)
-    PetscCall(DriftOf(settings, scene, &velocity[a], &scene->step.drift[a]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- layout ---- */
-
-/* Refuses an option of one dimension where there are more. */
-static PetscErrorCode OneDimensional(const MpmSettings *settings, const MpmScene *scene, const char option[])
-{
-  PetscFunctionBegin;
-  if (scene->layout.dim > 1) PetscCall(MpmSettingsRefuseUnless(settings, option, "dim", "allowed: only with dim 1"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* With counts, ppc is the number of particles in the fullest cell. */
 static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
@@ -152,7 +325,7 @@ static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
   PetscInt64 ppc[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(OneDimensional(settings, scene, "counts"));
+  if (l->dim > 1) PetscCall(MpmSettingsRefuseUnless(settings, "counts", "dim", "allowed: only with dim 1"));
   c->n = 1;
   if (MpmSettingsGiven(settings, "counts") && l->dim == 1)
     PetscCall(MpmSettingsList(settings, "counts", MPM_MAX_COUNTS, &c->n, c->of));
@@ -190,7 +363,6 @@ static PetscErrorCode ReadLayout(const MpmSettings *settings, MpmScene *scene)
   for (PetscInt a = 0; a < l->dim; a++) l->half_width[a] = 0.5 / l->ppc[a];
   MpmSettingsRefuseIf(l->counts.n > 1 && scene->scheme.basis->wide, settings, "counts",
                       "particles of different width; allowed: with another basis than gimp, or ppc");
-  PetscCall(OneDimensional(settings, scene, "cluster"));
   MpmSettingsRefuseIf(!(l->cluster[0] >= 0 && l->cluster[1] <= 1), settings, "cluster",
                       "allowed: a part lo,hi of a cell, 0 <= lo <= hi <= 1");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -202,6 +374,6 @@ PetscErrorCode MpmSettingsReadGrid(const MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadGrid(settings, scene));
   PetscCall(ReadLayout(settings, scene));
   PetscCall(ReadTime(settings, scene));
-  PetscCall(ReadVelocity(settings, scene));
+  PetscCall(ReadMotion(settings, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 /*
    Settings: what the user said, as text, with where it was said. The command line overrides what PETSc finds elsewhere
-   (settings_place.h), this overrides the scene file, and the scene file overrides the defaults. Readers for each kind of
+   (MpmSettingsPlace), this overrides the scene file, and the scene file overrides the defaults. Readers for each kind of
    value refuse what is not allowed, with one message that names the option, its value and what is allowed.
 */
 #pragma once
@@ -60,9 +60,6 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
 /* Collective. Refuses words, misspelled options and those the task does not read, before anything runs. */
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first);
 
-/* Collective. Refuses a key of a scene that does not exist, and names one that may be meant. */
-PetscErrorCode MpmSettingsRefuseKey(const MpmSettings *settings, const char key[], int line);
-
 /*
    Collective. Sets the numbers that the formulation is given. filters: the transfer has a filter, or makes something else of the nodes, for
    which stages on particles have no place; such stages are refused then.
@@ -71,8 +68,6 @@ PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, const 
                                              PetscBool filters, MpmSchemeNumbers *numbers);
 
 /*
-   MpmSettingsKeepScheme    - keeps a scheme that is written in the scene
-   MpmSettingsKeepParameter - keeps what was said of what may be a parameter
    MpmSettingsReadScheme    - reads the scheme of a file, and what the command line says of the scheme's parameters. It
                               refuses keys and names that are neither options nor parameters.
    MpmSettingsParameterSaid - what was said of before and name, such as map_ and theta; NULL: nothing
@@ -82,16 +77,35 @@ PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, const 
 
    Collective.
 */
-PetscErrorCode MpmSettingsKeepScheme(MpmSettings *settings, yaml_document_t *document, const yaml_node_t *node,
-                                     int line);
-PetscErrorCode MpmSettingsKeepParameter(MpmSettings *settings, const char name[], const char text[], MpmOrigin source,
-                                        int line);
-PetscErrorCode MpmSettingsReadScheme(MpmSettings *settings);
+PetscErrorCode              MpmSettingsReadScheme(MpmSettings *settings);
 const MpmSettingsParameter *MpmSettingsParameterSaid(const MpmSettings *settings, const char before[],
                                                      const char name[]);
 PetscErrorCode              MpmSettingsRefuseParameter(const MpmSettings *settings, const MpmSettingsParameter *said,
                                                        const char why[]);
 PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], PetscBool *has, size_t room, char near[]);
+
+#define MPM_PLACE_TEXT 512
+
+/*
+   MpmSettingsPlace - says where an option of PETSc's database comes from: ", from PETSC_OPTIONS", ", from .petscrc" or
+   another file of options; "" for the command line, or the program itself. value: NULL or "" for none.
+   MpmSettingsFind - the text that the database has of the option before and name, "" for none, and its place; NULL: it is
+   not there.
+   MpmSettingsPlaceFile - gives the names of the files of options, the one that overrules the others first; the command
+   line may name one. there: whether there is an i-th name. There need be no such file.
+
+   Collective on PETSC_COMM_WORLD: MpmSettingsPlace, MpmSettingsFind. Not collective: MpmSettingsPlaceFile.
+*/
+PetscErrorCode MpmSettingsPlace(const char name[], const char value[], char place[MPM_PLACE_TEXT]);
+PetscErrorCode MpmSettingsFind(const char before[], const char name[], const char **text, char place[MPM_PLACE_TEXT]);
+PetscErrorCode MpmSettingsPlaceFile(int i, size_t room, char file[], PetscBool *there);
+
+/*
+   Not collective. What others call an option, or a word that is a value of an option, as it is called here; or NULL. Case
+   does not matter but for E, K and G.
+*/
+const char *MpmOptionCalledHere(const char name[]);
+const char *MpmWordCalledHere(const char option[], const char word[]);
 
 /* Not collective. Whether PETSc or SLEPc takes an option of this name, as far as is known beforehand. */
 PetscBool MpmSettingsIsLibrary(const char name[]);
@@ -122,14 +136,40 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
    MpmSettingsStands       - whether an option was given, and has not lost its sense because a stronger source has given one
                              of others, whose names have commas between them; not collective
    MpmSettingsRefuseUnless - refuses one that stands so
-   MpmSettingsRefuseAny    - refuses each of a list that was given by a source that is as strong as least
 
    Collective.
 */
 PetscBool      MpmSettingsStands(const MpmSettings *settings, const char key[], const char by[]);
 PetscErrorCode MpmSettingsRefuseUnless(const MpmSettings *settings, const char key[], const char by[],
                                        const char why[]);
-PetscErrorCode MpmSettingsRefuseAny(const MpmSettings *settings, MpmOrigin least, const char names[], const char why[]);
+
+/*S
+   MpmRule - what does not go together, as data: options that are refused when a condition holds.
+
+   options - their names, with commas between them
+   by      - those that have stood in the way: a stronger source than the option's own takes its sense away (as in
+             MpmSettingsRefuseUnless); NULL: it is refused where a source gave it that is as strong as least
+   when    - the condition; of rules of a scene request is NULL. NULL: always
+   why     - the sentence of the refusal
+S*/
+typedef struct {
+  const char *options, *by;
+  MpmOrigin   least;
+  PetscBool (*when)(const MpmScene *scene, const MpmRequest *request);
+  const char *why;
+} MpmRule;
+
+/* Defines a condition of rules. */
+#define MPM_WHEN(function, condition)                                                                                  \
+  static PetscBool function(const MpmScene *s, const MpmRequest *r)                                                    \
+  {                                                                                                                    \
+    (void)s, (void)r;                                                                                                  \
+    return (condition) ? PETSC_TRUE : PETSC_FALSE;                                                                     \
+  }
+
+/* Collective. Refuses what rules say; the last one has no options. */
+PetscErrorCode MpmSettingsCheckRules(const MpmSettings *settings, const MpmRule rules[], const MpmScene *scene,
+                                     const MpmRequest *request);
 
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
@@ -167,9 +207,6 @@ const char *MpmSettingsText(const MpmSettings *settings, const char name[]);
 /* Not collective. Whether the word stands there that an option allows in the place of a number. */
 PetscBool MpmSettingsIsAlso(const MpmSettings *settings, const char name[]);
 
-/* Not collective. The text of an option's number: that of its default where such a word stands in its place. */
-const char *MpmSettingsNumberText(const MpmSettings *settings, const char name[]);
-
 /*
    MpmSettingsFarthest - of the options that were given the one whose number is farthest from 1; it is to blame when a
    product of them is out of the range of doubles.
@@ -189,19 +226,16 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
 PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, const PetscInt *dim, void *object);
 
 /*
-   Collective. Reads mach for each direction, 0 where it is not given. Forms the drift M k of a scene whose Courant number
-   is known, if mach is given. Refuses a drift M k without a short period, and names the nearest Courant number that has
-   one.
+   Collective. Reads mach for each direction, 0 where it is not given. Refuses a drift M k without a short period, and names
+   the nearest Courant number that has one.
 */
 PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, MpmMach *mach);
-PetscErrorCode MpmSettingsMachDrift(const MpmSettings *settings, MpmScene *scene);
 PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScene *scene, const MpmMach *mach);
-
-/* Collective. Makes a scene from settings, and checks and keeps the names of a request's files. */
-PetscErrorCode MpmSettingsReadProblem(MpmSettings *settings, MpmScene *scene);
 
 /* Collective. As MpmSceneFromText; messages call the text by the name. */
 PetscErrorCode MpmSceneFromNamedText(const char name[], const char yaml[], MpmScene **scene);
+
+/* Collective. Checks and keeps the names of a request's files. */
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
 
 /*
@@ -217,93 +251,53 @@ PetscErrorCode MpmSettingsCheckTrust(const MpmSettings *settings);
 PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
 PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequest *request);
 
-/* Collective. Sets the neighbourhoods of a request, and the number of layouts where it was not given. */
-PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
-
 /*
    MpmSettingsNameMatrix - whether a file with a matrix, or with the blocks of a lattice, takes the place of a scene.
 
    Collective. Refuses options of a scene beside it, options of a matrix without one, and tasks that need a scene.
-   MpmSettingsPhases: of how many directions the numbers of phases were given; one number stands for all.
 */
 PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named);
 
-/* Collective. Reads which program or plugin takes the place of a scene, and how it is probed. */
-PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *request);
-
 /*
-   MpmSettingsReadProgramAxes - reads the axes of a map of a code: two of its parameters, each with a span lo,hi in the
-   option map_NAME. Whether the code has such parameters is known when it has been started.
+   MpmSettingsReadProgram - reads which program or plugin takes the place of a scene, how it is probed, and the axes of a map
+   of it: two of its parameters, each with a span lo,hi in the option map_NAME. Whether the code has such parameters is known
+   when it has been started.
    MpmSettingsIsSpanOfProgram - whether an option of this name is such a span, if a code is mapped: map_axes names it.
 
    Collective.
 */
-PetscErrorCode MpmSettingsReadProgramAxes(const MpmSettings *settings, MpmRequest *request);
+PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *request);
 PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is);
 
 /* Not collective. Whether the files of a map have something of this name already, so that no axis may have it. */
 PetscBool MpmSettingsIsOfMap(const char name[]);
-void      MpmSettingsPhases(const MpmSettings *settings, PetscInt *given);
 
 /*
-   Collective. Reads the wave speed of a scene, the Poisson's ratio that follows from bulk and shear modulus, and whether
-   the scene is in physical units. The fields that are kept as they stand, the formulation and the dimension must be known.
+   Readers of parts of a scene, in the order in which scene.c calls them: each needs what those before it have read, and
+   refuses what does not exist or does not go together.
+
+   Given       - particles of the file that the option layout names, and Poisson's ratio where it alone has one
+   WaveSpeed   - wave speed, whether the scene is in physical units, and the Poisson's ratio of bulk and shear modulus
+   Kinematics  - finite deformation or not, and the gravity there
+   Law         - the material and the stretch that a run starts from or a linear scheme is about, or its prestress; the wave
+                 speed in that state
+   Grid        - cells, particles in them, time step and drift
+   Colliders, Shape - bodies; the shape that particles fill
+   PlaceGiven  - puts the particles of a file into the grid, and refuses those outside and options of sites
+   Pace        - whether a run chooses its steps, and how large a part of the largest stable one they are
+   CheckFinite - what else finite deformation asks for, with Solution: whether the initial data have an exact one, with its
+                 body force and densities. Prestress: what a prestress asks for, whose particles must stay where they are
+   Damping     - damping and viscosity, from the units of the scene to those of a step
+   Initial     - initial data, for which the table must be made; random ones in place of those that nobody asked for and that
+                 have no exact solution
+
+   Collective. The first rank reads a file; all refuse together.
 */
-PetscErrorCode MpmSettingsReadWaveSpeed(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Reads the material and the stretch that a scheme is linear about: the prestress, and the wave speed there,
-   which multiplies that of the material at rest. The wave speed must be known.
-*/
-PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Reads whether a scene has finite deformation, and the gravity there; the material and the stretch of one
-   that has, in the place of MpmSettingsReadLaw; the numbers of a material that flows, and refuses those that it does not
-   read; and what else it asks for, in the place of MpmSettingsReadPrestress.
-*/
-PetscErrorCode MpmSettingsReadKinematics(const MpmSettings *settings, MpmScene *scene);
-PetscErrorCode MpmSettingsReadFiniteLaw(const MpmSettings *settings, MpmScene *scene);
-PetscErrorCode MpmSettingsReadPlastic(const MpmSettings *settings, MpmScene *scene);
-PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene);
-
-/* Collective. Reads whether a run chooses its steps, and how large a part of the largest stable one they are. */
-PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene);
-
-/* Collective. Reads damping and viscosity, in the units of the scene, to those of a step (scene_damping.c). */
-PetscErrorCode MpmSettingsReadDamping(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   MpmSettingsReadGiven  - reads the particles of the file that the option layout names, and Poisson's ratio where it has one
-                           and the options have none. The dimension must be known.
-   MpmSettingsPlaceGiven - places them in the grid, and refuses those outside and options of sites. All but material and
-                           table must be known.
-
-   Collective. The first rank reads; all refuse together, with the number of the line.
-*/
-PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene);
-PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scene);
-
-/* Collective. Reads the shape that particles fill. The box that they are in and the kinematics must be known. */
-PetscErrorCode MpmSettingsReadShape(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Refuses scenes that have no exact solution at finite strain from the initial data that they name, and sets
-   the body force and the densities of one that has. All but the table must be known.
-*/
-PetscErrorCode MpmSettingsReadSolution(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Reads what else a prestress asks for, and refuses scenes whose particles would not stay where they are.
-   Scheme, layout, step and ends must be known.
-*/
-PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Reads what a run is asked of its tangent, and refuses it for a scene whose step has none. The table of the
-   scene, and the other fields of the request, must be known.
-*/
-PetscErrorCode MpmSettingsReadTangent(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
+typedef PetscErrorCode MpmSceneReader(const MpmSettings *settings, MpmScene *scene);
+MpmSceneReader         MpmSettingsReadGiven, MpmSettingsReadWaveSpeed, MpmSettingsReadKinematics, MpmSettingsReadLaw,
+    MpmSettingsReadGrid, MpmSettingsReadColliders, MpmSettingsReadShape, MpmSettingsPlaceGiven, MpmSettingsReadPace,
+    MpmSettingsCheckFinite, MpmSettingsReadSolution, MpmSettingsReadPrestress, MpmSettingsReadDamping,
+    MpmSettingsReadInitial;
 
 /*
    Collective. Refuses an option that the scene's formulation cannot do. The message says what the formulation has none
@@ -314,18 +308,3 @@ PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *s
 
 /* Not collective. Whether a formulation has MOVE_PROJECTED, without which there is no second P2G. */
 PetscBool MpmFormulationIsProjected(const MpmFormulation *formulation);
-
-/*
-   Collective. Reads the grid of a scene, where its particles are, the time step, and the drift unless mach is given. The
-   wave speed must be known.
-*/
-PetscErrorCode MpmSettingsReadGrid(const MpmSettings *settings, MpmScene *scene);
-
-/* Collective. Reads the colliders of a scene whose grid, step, ends and wave speed are known. */
-PetscErrorCode MpmSettingsReadColliders(const MpmSettings *settings, MpmScene *scene);
-
-/*
-   Collective. Reads the initial data of a scene whose layout, scheme and ends are known. Those that were not asked for
-   become random where they have no exact solution.
-*/
-PetscErrorCode MpmSettingsReadInitial(const MpmSettings *settings, MpmScene *scene);

@@ -2,11 +2,9 @@
    Names of files. They are refused before any work is done when they cannot be written, or would overwrite one
    another.
 */
-#include "base/file_names.h"
 #include "base/textfile.h"
 #include "scene/settings.h"
 #include "scene/request.h"
-#include "scene/settings_place.h"
 #include <string.h>
 
 #define MESSAGE 4096
@@ -45,17 +43,6 @@ static PetscErrorCode CheckOutput(const MpmSettings *settings, MpmRequest *reque
   if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
   MpmSettingsRefuseIf(strpbrk(path, "<>&\":"), settings, "output", "allowed: a name without < > & : and quotes");
   (void)snprintf(request->xmf, sizeof request->xmf, "%.*s.xmf", length, path);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The ending says in which format a matrix is written; blocks are arrays by name, which only some formats have. */
-static PetscErrorCode CheckEnding(const MpmSettings *settings, const char name[], const char path[])
-{
-  const char *endings = MpmOptions[MpmOptionIndex(name)].endings;
-
-  PetscFunctionBegin;
-  MpmSettingsRefuseIf(path[0] && !MpmFileHasEnding(path, endings), settings, name, "allowed: a name that ends in %s",
-                      endings);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,11 +113,13 @@ PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *req
 
   PetscFunctionBegin;
   PetscCall(CheckOutput(settings, request));
-  PetscCall(CheckEnding(settings, "write_matrix", request->write_matrix));
-  PetscCall(CheckEnding(settings, "write_blocks", request->write_blocks));
-  PetscCall(CheckEnding(settings, "write_layout", request->write_layout));
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    const char *endings = MpmOptions[i].endings;
+
     if (!IsUsed(settings, task, i, MPM_FILE_WRITTEN)) continue;
+    /* the ending says in which format a matrix is written; blocks are arrays by name, which only some formats have */
+    MpmSettingsRefuseIf(!strncmp(MpmOptions[i].name, "write_", 6) && !MpmFileHasEnding(settings->text[i], endings),
+                        settings, MpmOptions[i].name, "allowed: a name that ends in %s", endings);
     names[n]   = MpmOptions[i].name;
     paths[n++] = settings->text[i];
     if (strcmp(MpmOptions[i].name, "output") || !request->xmf[0]) continue;

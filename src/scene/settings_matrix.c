@@ -1,30 +1,117 @@
-/* A matrix, or the blocks of a lattice, in the place of a scene: which options go with it. */
+/* A matrix, the blocks of a lattice, or a code in the place of a scene: which options go with it. */
 #include "scene/request.h"
 #include "scene/settings.h"
 #include <mpmstab/errors.h>
+#include <mpmstab/fraction.h>
 #include <math.h>
 #include <string.h>
+
+/* The axes of a map of a code: parameters that the code names, which are known only when it has been started. */
+
+static const char map[] = "map_", separators[] = ", ";
+
+/* The two words of map_axes, or fewer. */
+static void Words(const char text[], PetscInt *n, MpmAxis axes[2], PetscBool *fit)
+{
+  *fit = PETSC_TRUE;
+  for (*n = 0; text && *text; ++*n) {
+    const size_t length = strcspn(text, separators);
+
+    if (*n == 2 || length == 0 || length >= sizeof axes[0].name) *fit = PETSC_FALSE;
+    if (!*fit) break;
+    (void)snprintf(axes[*n].name, length + 1, "%s", text);
+    text += length + strspn(text + length, separators);
+  }
+}
+
+/* Whether it is a code that is mapped is known later: map_axes of a scene allows no word that is not its own. */
+PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is)
+{
+  MpmAxis     axes[2];
+  PetscInt    n;
+  const char *text;
+  char        place[MPM_PLACE_TEXT];
+  PetscBool   fit;
+
+  PetscFunctionBegin;
+  *is = PETSC_FALSE;
+  if (strncmp(name, map, strlen(map))) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsFind(map, "axes", &text, place));
+  Words(text, &n, axes, &fit);
+  for (PetscInt i = 0; i < n; i++)
+    if (!strcmp(axes[i].name, name + strlen(map))) *is = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadSpan(MpmAxis *axis)
+{
+  char        place[MPM_PLACE_TEXT];
+  const char *text;
+  MpmFraction span[2];
+
+  PetscFunctionBegin;
+  PetscCall(MpmSettingsFind(map, axis->name, &text, place));
+  MpmCheckInput(text, "-map_axes %s: the span of that axis is missing; allowed: with -%s%s lo,hi", axis->name, map,
+                axis->name);
+  MpmCheckInput(MpmSettingsParseSpan(text, span),
+                "-%s%s %.200s%s: allowed: two numbers or fractions lo,hi with lo < hi", map, axis->name, text, place);
+  axis->from = span[0];
+  axis->to   = span[1];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The spans of a scene's own axes are options; only those of parameters that the code has by these names are read. */
+static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *request)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    const char *name = MpmOptions[i].name + strlen(map);
+
+    if (MpmOptions[i].kind != MPM_SPAN || !strcmp(name, request->axes[0].name) || !strcmp(name, request->axes[1].name))
+      continue;
+    MpmSettingsRefuseIf(settings->source[i] != MPM_FROM_DEFAULT, settings, MpmOptions[i].name,
+                        "map_axes does not name it; allowed: with a parameter of the code of that name");
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReadProgramAxes(const MpmSettings *settings, MpmRequest *request)
+{
+  static const char allowed[] = "allowed: two different parameters that the code names, such as dt,E";
+  PetscInt          points[2], n;
+  PetscBool         fit;
+
+  PetscFunctionBegin;
+  MpmCheckInput(
+      MpmSettingsSource(settings, "map_axes") != MPM_FROM_DEFAULT,
+      "map of a code: map_axes is missing; allowed: -map_axes with two parameters that the code names, such as "
+      "dt,E, and a span for each, as -map_dt lo,hi");
+  Words(MpmSettingsText(settings, "map_axes"), &n, request->axes, &fit);
+  MpmSettingsRefuseIf(!fit || n != 2 || !strcmp(request->axes[0].name, request->axes[1].name), settings, "map_axes",
+                      allowed);
+  PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
+  MpmSettingsRefuseIf(n != 2, settings, "map_points", "allowed: two whole numbers, one for each axis");
+  for (int a = 0; a < 2; a++) {
+    MpmAxis *axis = &request->axes[a];
+
+    MpmCheckInput(!MpmSettingsIsOfMap(axis->name) && !strchr(axis->name, '/'),
+                  "-map_axes %s: files of maps cannot hold numbers of that name; allowed: other parameters",
+                  axis->name);
+    PetscCall(ReadSpan(axis));
+    axis->kind      = MPM_AXIS_PARAMETER;
+    axis->parameter = MPM_NONE;
+    axis->points    = points[a];
+  }
+  PetscCall(CheckSpans(settings, request));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- which options go with it ---- */
 
 const char *const MpmProbeNames[] = {"bloch", "coloured", "matrix_free", NULL};
 
 /* The options that name one. Each option's tasks are those that read it. */
 static const char *const sources[] = {"matrix", "matrix_blocks", "program", "plugin"};
-
-/* Options that need one of these sources. */
-static const struct {
-  const char *name, *first, *second;
-} needs[] = {
-    {"matrix_steps", "matrix", "matrix_blocks"},
-    {"program_set", "program", "plugin"},
-    {"program_base", "program", "plugin"},
-    {"program_dt", "program", "plugin"},
-    {"program_timeout", "program", "plugin"},
-    {"program_period", "program", "plugin"},
-    {"program_run", "program", "plugin"},
-    {"probe", "program", "plugin"},
-    {"at", "program", "plugin"},
-    {"compare", "program", "plugin"},
-};
 
 /* Whether an option was given and this task reads it. A scene file may have those of other tasks. */
 static PetscBool IsSaid(const MpmSettings *settings, const char task[], PetscInt i)
@@ -39,19 +126,6 @@ static PetscBool IsMotion(const char source[], const char task[], const char nam
                  (!strcmp(name, "drift") || !strcmp(name, "mach"))
              ? PETSC_TRUE
              : PETSC_FALSE;
-}
-
-static PetscErrorCode CheckNeeds(const MpmSettings *settings, const char task[], const char source[])
-{
-
-  PetscFunctionBegin;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(needs); i++) {
-    if (!IsSaid(settings, task, MpmOptionIndex(needs[i].name))) continue;
-    if (source && (!strcmp(source, needs[i].first) || !strcmp(source, needs[i].second))) continue;
-    PetscCall(
-        MpmSettingsRefuse(settings, needs[i].name, "allowed: only with %s or %s", needs[i].first, needs[i].second));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named)
@@ -71,7 +145,12 @@ PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char tas
     source = sources[s];
   }
   *named = source ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(CheckNeeds(settings, task, source));
+  for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    const char *with = MpmOptions[i].with;
+
+    MpmSettingsRefuseIf(with && IsSaid(settings, task, i) && !(source && strstr(with, source)), settings,
+                        MpmOptions[i].name, "allowed: only with %s", with);
+  }
   if (!source) PetscFunctionReturn(PETSC_SUCCESS);
   (void)snprintf(why, sizeof why, "it describes a scene, and %s takes the place of a scene; allowed: one of them",
                  source);
@@ -125,15 +204,8 @@ PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *r
                       settings, "probe", "a symbol needs cells that are alike; allowed: bloch");
   MpmSettingsRefuseIf(!strcmp(task, "spectrum") && request->probe == MPM_PROBE_BLOCH, settings, "probe",
                       "a spectrum is of all particles; allowed: coloured or matrix_free, or task symbol");
+  if (!strcmp(task, "map")) PetscCall(ReadProgramAxes(settings, request));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-void MpmSettingsPhases(const MpmSettings *settings, PetscInt *given)
-{
-  const char *text = MpmSettingsText(settings, "phases");
-
-  *given = text ? 1 : 0;
-  for (; text && *text; text++) *given += *text == ',';
 }
 
 PetscErrorCode MpmRequestPhases(const MpmRequest *request, PetscInt dim, PetscInt phases[])

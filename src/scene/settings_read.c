@@ -2,8 +2,6 @@
 #include "scene/settings.h"
 #include "base/suggest.h"
 #include "base/text.h"
-#include "scene/synonyms.h"
-#include "scene/settings_place.h"
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
@@ -52,23 +50,26 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
   MpmRefuse("-%s %.*s%s%s: %s", name, MOST_SHOWN, settings->text[i], dots, place, why);
 }
 
-/* The first name of a list with commas between them; list goes on to the rest. */
-static const char *NextName(const char **list, char name[64])
-{
-  const size_t length = strcspn(*list, ",");
+#define PART 64 /* characters between two commas */
 
-  (void)snprintf(name, 64, "%.*s", (int)length, *list);
-  *list += length + ((*list)[length] == ',');
-  return name;
+/* Takes the part of a text before its next comma; false where it is too long. *rest: what follows the comma, NULL: nothing. */
+static PetscBool NextPart(const char **rest, char part[PART])
+{
+  const size_t length = strcspn(*rest, ",");
+  const char  *end    = *rest + length;
+
+  (void)snprintf(part, PART, "%.*s", (int)length, *rest);
+  *rest = *end ? end + 1 : NULL;
+  return length < PART ? PETSC_TRUE : PETSC_FALSE;
 }
 
 PetscBool MpmSettingsStands(const MpmSettings *settings, const char key[], const char by[])
 {
-  char      name[64];
+  char      name[PART];
   PetscBool stands = MpmSettingsSource(settings, key) != MPM_FROM_DEFAULT ? PETSC_TRUE : PETSC_FALSE;
 
-  while (*by)
-    if (MpmSettingsOverruled(settings, key, NextName(&by, name))) stands = PETSC_FALSE;
+  while (by && *by && NextPart(&by, name))
+    if (MpmSettingsOverruled(settings, key, name)) stands = PETSC_FALSE;
   return stands;
 }
 
@@ -79,13 +80,20 @@ PetscErrorCode MpmSettingsRefuseUnless(const MpmSettings *settings, const char k
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsRefuseAny(const MpmSettings *settings, MpmOrigin least, const char names[], const char why[])
+PetscErrorCode MpmSettingsCheckRules(const MpmSettings *settings, const MpmRule rules[], const MpmScene *scene,
+                                     const MpmRequest *request)
 {
-  char name[64];
+  char name[PART];
 
   PetscFunctionBegin;
-  while (*names)
-    MpmSettingsRefuseIf(MpmSettingsSource(settings, NextName(&names, name)) >= least, settings, name, "%s", why);
+  for (const MpmRule *rule = rules; rule->options; rule++) {
+    const char *names = rule->when && !rule->when(scene, request) ? NULL : rule->options;
+
+    while (names && *names && NextPart(&names, name))
+      MpmSettingsRefuseIf(rule->by ? MpmSettingsStands(settings, name, rule->by)
+                                   : MpmSettingsSource(settings, name) >= rule->least,
+                          settings, name, "%s", rule->why);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -144,14 +152,14 @@ PetscBool MpmSettingsIsAlso(const MpmSettings *settings, const char name[])
   return also && text && !strcmp(text, also) ? PETSC_TRUE : PETSC_FALSE; /* no text: a rival was given */
 }
 
-const char *MpmSettingsNumberText(const MpmSettings *settings, const char name[])
+/* The text of an option's number: that of its default where a word stands in its place. */
+static const char *NumberText(const MpmSettings *settings, const char name[])
 {
   return MpmSettingsIsAlso(settings, name) ? MpmOptions[MpmOptionIndex(name)].fallback
                                            : MpmSettingsText(settings, name);
 }
 
 #define MOST_PARTS (2 * MPM_MAX_DIM)
-#define PART 64 /* characters */
 
 /* Reads a decimal number. Blanks, hexadecimals, 'inf' and 'nan', which strtod accepts, are none. */
 static PetscBool IsReal(const char text[], PetscReal *value)
@@ -204,25 +212,14 @@ static PetscErrorCode ParseFraction(const MpmSettings *settings, const char name
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The part of a text before its comma; NULL where it has none, or is too long. rest: what follows the comma. */
-static const char *BeforeComma(const char text[], char first[PART], const char **rest)
-{
-  const size_t length = strcspn(text, ",");
-
-  if (!text[length] || length >= PART) return NULL;
-  (void)snprintf(first, PART, "%.*s", (int)length, text);
-  *rest = text + length + 1;
-  return first;
-}
-
 static PetscErrorCode ParseRange(const MpmSettings *settings, const char name[], const char text[], void *place)
 {
   PetscReal  *range = place;
   char        first[PART];
-  const char *rest;
+  const char *rest = text;
 
   PetscFunctionBegin;
-  MpmSettingsRefuseIf(!BeforeComma(text, first, &rest) || !IsReal(first, &range[0]) || !IsReal(rest, &range[1]) ||
+  MpmSettingsRefuseIf(!NextPart(&rest, first) || !rest || !IsReal(first, &range[0]) || !IsReal(rest, &range[1]) ||
                           range[0] > range[1],
                       settings, name, "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -303,7 +300,7 @@ static PetscErrorCode ParseSwitch(const MpmSettings *settings, const char name[]
 static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt parts,
                           char room[MPM_MAX_DIM][2 * PART], const char *group[MPM_MAX_DIM])
 {
-  const char *text                   = MpmSettingsNumberText(settings, name);
+  const char *text                   = NumberText(settings, name);
   char        part[MOST_PARTS][PART] = {{0}};
   PetscInt    n                      = 0;
   PetscBool   fits                   = PETSC_TRUE;
@@ -313,20 +310,7 @@ static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscI
     group[0] = text;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (const char *from = text; fits; n++) {
-    const size_t length = strcspn(from, ",");
-
-    if (n == MOST_PARTS || length >= PART) {
-      fits = PETSC_FALSE;
-      break;
-    }
-    (void)snprintf(part[n], length + 1, "%s", from);
-    from += length;
-    if (!*from++) {
-      n++;
-      break;
-    }
-  }
+  while (text && fits) fits = n < MOST_PARTS && NextPart(&text, part[n++]) ? PETSC_TRUE : PETSC_FALSE;
   if (!fits || (n != parts && n != parts * dim)) {
     PetscCall(MpmSettingsRefuse(
         settings, name, "allowed: %s for all directions, or %" PetscInt_FMT " with commas between them, for %s",
@@ -398,23 +382,19 @@ PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], 
                                 PetscInt index[])
 {
   const char *text = MpmSettingsText(settings, name);
-  char        word[64];
+  char        word[PART];
   PetscInt    found;
   PetscBool   known;
 
   PetscFunctionBegin;
-  for (*n = 0;; text++) {
-    const size_t length = strcspn(text, ",");
-
-    (void)snprintf(word, PetscMin(length + 1, sizeof word), "%s", text);
+  for (*n = 0; text;) {
+    (void)NextPart(&text, word);
     PetscCall(FindWord(settings, name, word, &found));
     known = PETSC_FALSE;
     for (PetscInt i = 0; i < *n; i++)
       if (index[i] == found) known = PETSC_TRUE;
     PetscCheck(known || *n < room, PETSC_COMM_SELF, PETSC_ERR_PLIB, "%s has more words than fit", name);
     if (!known) index[(*n)++] = found;
-    text += length;
-    if (!*text) break;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -422,9 +402,9 @@ PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], 
 PetscBool MpmSettingsParseSpan(const char text[], MpmFraction span[2])
 {
   char        first[PART];
-  const char *rest;
+  const char *rest = text;
 
-  return BeforeComma(text, first, &rest) && MpmFractionParse(first, &span[0]) && MpmFractionParse(rest, &span[1]) &&
+  return NextPart(&rest, first) && rest && MpmFractionParse(first, &span[0]) && MpmFractionParse(rest, &span[1]) &&
                  isfinite(span[0].value) && isfinite(span[1].value) && span[0].value < span[1].value
              ? PETSC_TRUE
              : PETSC_FALSE;
@@ -475,14 +455,9 @@ PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], 
   char            part[PART];
 
   PetscFunctionBegin;
-  for (*n = 0; *n == 0 || *text++ == ','; text += strcspn(text, ",")) {
-    const size_t length = strcspn(text, ",");
-
-    (void)snprintf(part, PetscMin(length + 1, sizeof part), "%s", text);
-    if (*n == room || length >= sizeof part || !IsReal(part, &list[*n]) || !InRange(option, list[*n]))
+  for (*n = 0; text;)
+    if (!NextPart(&text, part) || *n == room || !IsReal(part, &list[*n]) || !InRange(option, list[(*n)++]))
       PetscCall(RefuseNumber(settings, name, "finite numbers"));
-    ++*n;
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -4,6 +4,88 @@
 #include <math.h>
 #include <string.h>
 
+#define ALL MPM_NEIGHBOURHOODS /* the word after those of the kinds */
+#define MANY_LAYOUTS 100       /* of an ensemble, when the option layouts is not given */
+#define SOME_LAYOUTS 20        /* of neighbourhoods random and disordered, whose limits are sought too */
+
+static PetscBool Is(const MpmRequest *request, const char task[])
+{
+  return strcmp(request->task, task) ? PETSC_FALSE : PETSC_TRUE;
+}
+
+const char *const MpmNeighbourhoodNames[] = {"bulk",       "edge",  "corner", "lone", "random",
+                                             "disordered", "worst", "all",    NULL};
+
+/* All leaves out a corner in one dimension, where it is an edge, and the worst, whose search takes long. */
+static void Take(PetscInt word, const MpmScene *scene, MpmRequest *request)
+{
+  if (word != ALL) {
+    request->neighbourhood[word] = PETSC_TRUE;
+    return;
+  }
+  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
+    if ((scene->layout.dim > 1 || kind != MPM_AT_CORNER) && kind != MPM_AT_WORST)
+      request->neighbourhood[kind] = PETSC_TRUE;
+}
+
+/*
+   A lattice in physical units leaves open where its particles end, so that critical looks at all neighbourhoods. One with
+   walls, gaps or jitter says itself where they are.
+*/
+static PetscErrorCode ReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+{
+  const PetscBool critical = Is(request, "critical");
+  PetscInt        word[MPM_NEIGHBOURHOODS + 1], n = 0;
+
+  PetscFunctionBegin;
+  if ((critical || Is(request, "spectrum")) && MpmSettingsGiven(settings, "neighbourhood"))
+    PetscCall(MpmSettingsWords(settings, "neighbourhood", MPM_NEIGHBOURHOODS + 1, &n, word));
+  if (!n && critical && !request->survey && !request->at_mach && MpmSceneIsPhysical(scene) &&
+      MpmLayoutIsUniform(&scene->layout))
+    word[n++] = ALL;
+  if (!n) word[n++] = MPM_IN_BULK;
+  for (PetscInt i = 0; i < n; i++) Take(word[i], scene, request);
+  if (!MpmSettingsGiven(settings, "layouts")) request->layouts = Is(request, "ensemble") ? MANY_LAYOUTS : SOME_LAYOUTS;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the tangent of a run ---- */
+
+const char *const MpmTangentNames[] = {"none", "random", "mode", NULL};
+
+/* Why the step of a scene has no tangent here, or NULL where it has one. */
+static const char *WhyNot(const MpmScene *scene)
+{
+  if (!scene->scheme.space.finite) return "the step is linear, and is its own tangent; allowed: with kinematics finite";
+  if (scene->scheme.space.local != 0)
+    return "with local_damping the step has no derivative where a velocity is 0; allowed: without local_damping";
+  if (scene->scheme.numbers.rk_relax)
+    return "with rk_relax a step has a factor, which has no derivative where it comes to 1; allowed: without rk_relax";
+  if (MpmTableHas(scene->scheme.table, MPM_SOLVE))
+    return "transfer nullspace has a pseudoinverse, whose derivative is not known here; allowed: another transfer";
+  if (MpmBasisIsAltered(scene->scheme.basis))
+    return "with spline_ends modified or open the derivatives of its weights are not known here; allowed: spline_ends "
+           "mirror";
+  return NULL;
+}
+
+/*
+   Refuses a scene without a tangent, and more numbers of a state than PETSC_MAX_INT: of each place there are a cell and a
+   place in the cell.
+*/
+static PetscErrorCode CheckTangent(const MpmSettings *settings, const MpmScene *scene, const char option[])
+{
+  const PetscInt64 each = 2 * scene->layout.dim + scene->scheme.table->nstate;
+  const char      *why  = WhyNot(scene);
+
+  PetscFunctionBegin;
+  MpmSettingsRefuseIf(why, settings, option, "%s", why);
+  MpmSettingsRefuseIf(scene->layout.particles > PETSC_MAX_INT / each, settings, option,
+                      "too many particles for a tangent, %" PetscInt64_FMT "; allowed: at most %" PetscInt64_FMT,
+                      scene->layout.particles, PETSC_MAX_INT / each);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 #define MOST_STEPS 1e15
 
 /* ---- time ---- */
@@ -47,18 +129,10 @@ static PetscErrorCode ReadSteps(const MpmSettings *settings, const MpmScene *sce
 /* ---- what tasks measure ---- */
 
 /* The waves are those of the phases along x that are at least 3 cells long. */
-static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+static PetscErrorCode ReadDamping(const MpmSettings *settings, MpmRequest *request)
 {
   PetscFunctionBegin;
-  if (!request->damping)
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, "damping_divisors", "allowed: only with damping"));
-  if (!request->damping || strcmp(request->task, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmSettingsRefuseIf(!scene->scheme.formulation->wave, settings, "damping",
-                      "the formulation names no continuous problem whose waves could be followed; allowed: a "
-                      "formulation with an exact solution");
-  MpmSettingsRefuseIf(scene->layout.dim > 1 && MpmSpaceIsPrestressed(&scene->scheme.space), settings, "damping",
-                      "waves about a prestressed state have no exact solution here; allowed: with dim 1, or "
-                      "without a prestress");
+  if (!request->damping || !Is(request, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
   MpmSettingsRefuseIf(request->phases[0] < 3, settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
                       "damping needs a wave of 3 cells or more; allowed: 3 or more along x");
   PetscCall(MpmSettingsList(settings, "damping_divisors", MPM_MAX_DIVISORS, &request->ndivisors, request->divisors));
@@ -71,39 +145,12 @@ static PetscErrorCode ReadDamping(const MpmSettings *settings, const MpmScene *s
 */
 static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
-  const PetscBool map = !strcmp(request->task, "map") ? PETSC_TRUE : PETSC_FALSE;
-
   PetscFunctionBegin;
   PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &request->mach));
   request->at_mach = request->mach.unit.num ? PETSC_TRUE : PETSC_FALSE;
-  if (!request->at_mach || !strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!map || !(MpmRequestVaries(request, MPM_AXIS_COURANT) || MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
-                MpmRequestVaries(request, MPM_AXIS_MACH)))
+  if (request->at_mach && !Is(request, "run") && !MpmRequestVaries(request, MPM_AXIS_COURANT) &&
+      !MpmRequestVaries(request, MPM_AXIS_DRIFT) && !MpmRequestVaries(request, MPM_AXIS_MACH))
     PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
-  MpmSettingsRefuseIf(request->survey, settings, "mach", "a survey keeps the drift; allowed: drift, or without survey");
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && MpmRequestVaries(request, MPM_AXIS_COURANT),
-                      settings, "mach", "a map that turns the drift keeps its size; allowed: drift");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   A map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself. The limit
-   is sought at one drift, too; it must not be that of the default Courant number.
-*/
-static PetscErrorCode CheckVelocity(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_COURANT) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-                          !MpmRequestVaries(request, MPM_AXIS_MACH) && MpmSettingsGiven(settings, "velocity") &&
-                          MpmSceneDrifts(scene),
-                      settings, "velocity",
-                      "the Courant number is varied at a fixed drift, and with it the drift of a velocity "
-                      "would change; allowed: drift or mach");
-  MpmSettingsRefuseIf(!strcmp(request->task, "critical") && MpmSettingsGiven(settings, "velocity") &&
-                          !MpmSceneHasStep(scene),
-                      settings, "velocity",
-                      "how many cells particles move per step depends on the time step; allowed: with dt or "
-                      "courant, or drift");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -118,23 +165,24 @@ static const char *const spans[] = {"map_courant", "map_drift",       "map_offse
 static const char *const replaced[] = {"courant,dt", "drift,velocity,mach", "offset", "ppc", "poisson",
                                        "",           "mach,velocity,drift"};
 
-/* In more dimensions than one the scene's drift, or mach, still says along which axes the map's goes. */
+/* In more dimensions than one the first of these, drift or mach, still says along which axes the map's goes, and stays. */
 static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene *scene, PetscInt kind)
 {
-  const char *names = replaced[kind];
-  char        why[128];
+  const PetscBool rest =
+      scene->layout.dim > 1 && (kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH) ? PETSC_TRUE : PETSC_FALSE;
+  const char   *names = rest ? strchr(replaced[kind], ',') + 1 : replaced[kind];
+  char          why[128];
+  const MpmRule rule[] = {{names, NULL, MPM_FROM_COMMAND_LINE, NULL, why}, {NULL, NULL, MPM_FROM_DEFAULT, NULL, NULL}};
 
   PetscFunctionBegin;
   (void)snprintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]);
-  if (scene->layout.dim > 1 && (kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH)) names = strchr(names, ',') + 1;
-  PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE, names, why));
+  PetscCall(MpmSettingsCheckRules(settings, rule, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* An axis of particles per cell has every number between its ends; the default number of points does not count. */
 static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, MpmAxis *axis)
 {
-
   PetscFunctionBegin;
   MpmSettingsRefuseIf(axis->from.den != 1 || axis->to.den != 1, settings, "map_ppc",
                       "allowed: two whole numbers lo,hi");
@@ -142,33 +190,6 @@ static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, Mpm
   MpmSettingsRefuseIf(MpmSettingsSource(settings, "map_points") != MPM_FROM_DEFAULT && points != axis->points, settings,
                       "map_points", "map_ppc takes every number between its ends; allowed: %" PetscInt_FMT " for it",
                       axis->points);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Refuses axes that the scene does not have. */
-static PetscErrorCode CheckAxes(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  if (MpmRequestVaries(request, MPM_AXIS_POISSON) && !MpmSceneHasPoisson(scene))
-    PetscCall(MpmSettingsRefuse(
-        settings, "map_axes",
-        "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_POISSON) && MpmSpaceIsPrestressed(&scene->scheme.space),
-                      settings, "map_axes", "the prestress is of one Poisson's ratio; allowed: other axes");
-  if (MpmRequestVaries(request, MPM_AXIS_POISSON))
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_SCENE, "young,bulk",
-                                   "the map varies Poisson's ratio, and with it the wave speed of a modulus would "
-                                   "change; allowed: sound_speed"));
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && scene->layout.dim == 1, settings, "map_axes",
-                      "allowed: drift_angle only with dim 2 or 3");
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_MACH) && (MpmRequestVaries(request, MPM_AXIS_DRIFT) ||
-                                                                   MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE)),
-                      settings, "map_axes", "mach makes the drift; allowed: mach with another axis");
-  MpmSettingsRefuseIf(MpmRequestVaries(request, MPM_AXIS_DRIFT_ANGLE) && !MpmRequestVaries(request, MPM_AXIS_DRIFT) &&
-                          scene->step.drift[0].value == 0 && scene->step.drift[1].value == 0,
-                      settings, "map_axes",
-                      "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a "
-                      "drift such as 1/8,0");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -235,10 +256,9 @@ static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *
   for (PetscInt i = 0; settings->scheme && i < settings->scheme->nparameters; i++) {
     const char                 *name = settings->scheme->parameters[i].name.text;
     const MpmSettingsParameter *said = MpmSettingsParameterSaid(settings, "map_", name);
-    const PetscBool             axis =
-        !strcmp(request->task, "map") && (request->axes[0].parameter == i || request->axes[1].parameter == i)
-                        ? PETSC_TRUE
-                        : PETSC_FALSE;
+    const PetscBool axis = Is(request, "map") && (request->axes[0].parameter == i || request->axes[1].parameter == i)
+                               ? PETSC_TRUE
+                               : PETSC_FALSE;
 
     if (said && said->source == MPM_FROM_COMMAND_LINE && !axis)
       PetscCall(
@@ -274,52 +294,20 @@ static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scen
     MpmSettingsRefuseIf(MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE &&
                             i != (PetscInt)request->axes[0].kind && i != (PetscInt)request->axes[1].kind,
                         settings, spans[i], "map_axes does not name it; allowed: with an axis of that name");
-  PetscCall(CheckAxes(settings, scene, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- files ---- */
 
-/* The file with the eigenmode that a run starts from; the tasks that do not march leave initial data alone. */
-static PetscErrorCode CheckModeFile(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
-{
-  const PetscBool wanted = scene->initial == MPM_INITIAL_EIGENMODE ? PETSC_TRUE : PETSC_FALSE;
-
-  PetscFunctionBegin;
-  if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(!wanted || request->mode_file[0],
-                "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
-  if (!wanted && request->mode_file[0])
-    PetscCall(MpmSettingsRefuseUnless(settings, "mode_file", "initial", "allowed: only with initial eigenmode"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Steps between two outputs or checkpoints of a run: as many as the run has when the option is not given. */
-static PetscErrorCode CheckEvery(const MpmSettings *settings, const char name[], const char file[], const char path[],
-                                 const MpmRequest *request, PetscInt64 *every)
-{
-
-  PetscFunctionBegin;
-  if (strcmp(request->task, "run") || !MpmSettingsGiven(settings, name))
-    *every = request->steps;
-  else if (!path[0]) {
-    PetscCall(MpmSettingsRefuse(settings, name, "allowed: only with %s", file));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+/* A run writes its last step where it is not said how many steps there are between two outputs or checkpoints. */
+static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmRequest *request)
 {
   PetscBool progress;
 
   PetscFunctionBegin;
-  if (scene) PetscCall(CheckModeFile(settings, scene, request));
   PetscCall(MpmSettingsReadFiles(settings, request));
-  PetscCall(CheckEvery(settings, "output_every", "output", request->output, request, &request->output_every));
-  PetscCall(
-      CheckEvery(settings, "checkpoint_every", "checkpoint", request->checkpoint, request, &request->checkpoint_every));
-  MpmSettingsRefuseIf(request->output[0] && scene && scene->layout.particles > PETSC_MAX_INT / 3, settings, "output",
-                      "too many particles for it; allowed: at most 715827882");
+  if (!MpmSettingsGiven(settings, "output_every")) request->output_every = request->steps;
+  if (!MpmSettingsGiven(settings, "checkpoint_every")) request->checkpoint_every = request->steps;
   if (MpmSettingsGiven(settings, "progress")) {
     PetscCall(MpmSettingsSwitch(settings, "progress", &progress));
     request->progress = progress ? MPM_PROGRESS_ALWAYS : MPM_PROGRESS_NEVER;
@@ -363,22 +351,97 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
 
 #define NODAL_FROM 500 /* unknowns of particles; fewer take no time, and their operator is the better balanced one */
 
-/* What reads the linear step of a scheme has none at finite deformation. */
-static PetscErrorCode CheckKinematics(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
+/* ---- what does not go together ---- */
+
+/* clang-format off */
+#define VARIES(axis) MpmRequestVaries(r, MPM_AXIS_##axis)
+#define SEES(where)  r->neighbourhood[MPM_##where]
+
+static PetscBool IsBeyondBulk(const MpmRequest *r)
 {
-  PetscFunctionBegin;
-  MpmSettingsRefuseIf(scene->safety > 0 && strcmp(request->task, "run"), settings, "courant",
-                      "allowed with this task: a number");
-  if (!scene->scheme.space.finite) PetscFunctionReturn(PETSC_SUCCESS);
-  if (strcmp(request->task, "run") && strcmp(request->task, "spectrum"))
-    PetscCall(MpmSettingsRefuse(
-        settings, "kinematics",
-        "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with "
-        "material and stretch, or prestress, is about a uniform state"));
-  MpmSettingsRefuseIf((request->weights || request->source_term || request->ringing), settings, "kinematics",
-                      "weights, source_term and ringing are of the linear step; allowed: without them");
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
+    if (r->neighbourhood[kind] != (kind == MPM_IN_BULK)) return PETSC_TRUE;
+  return PETSC_FALSE;
 }
+
+MPM_WHEN(ChoosesElsewhere, s->safety > 0 && !Is(r, "run"))
+MPM_WHEN(NeedsLinear, s->scheme.space.finite && !Is(r, "run") && !Is(r, "spectrum"))
+MPM_WHEN(LooksAtLinear, s->scheme.space.finite && (r->weights || r->source_term || r->ringing))
+MPM_WHEN(OfFrozen, s->scheme.space.finite && Is(r, "spectrum"))
+MPM_WHEN(OfLinear, !s->scheme.space.finite && Is(r, "spectrum"))
+MPM_WHEN(WithoutTangent, !r->tangent)
+MPM_WHEN(FollowsTooMany, (PetscInt64)r->exponents > (s->layout.dim + s->scheme.table->nstate) * s->layout.particles)
+MPM_WHEN(Surveys, r->survey)
+MPM_WHEN(WithoutDamping, !r->damping)
+MPM_WHEN(DampsNoWave, r->damping && Is(r, "symbol") && !s->scheme.formulation->wave)
+MPM_WHEN(DampsPrestress, r->damping && Is(r, "symbol") && s->layout.dim > 1 && MpmSpaceIsPrestressed(&s->scheme.space))
+MPM_WHEN(SurveysAtMach, r->survey && r->at_mach)
+MPM_WHEN(TurnsMach, r->at_mach && VARIES(DRIFT_ANGLE) && VARIES(COURANT))
+/* a map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself */
+MPM_WHEN(KeepsDrift, VARIES(COURANT) && !VARIES(DRIFT) && !VARIES(MACH) && MpmSceneDrifts(s))
+/* the limit is sought at one drift, too; it must not be that of the default Courant number */
+MPM_WHEN(HasNoDrift, Is(r, "critical") && !MpmSceneHasStep(s))
+MPM_WHEN(HasNoPoisson, VARIES(POISSON) && !MpmSceneHasPoisson(s))
+MPM_WHEN(VariesPrestress, VARIES(POISSON) && MpmSpaceIsPrestressed(&s->scheme.space))
+MPM_WHEN(VariesPoisson, VARIES(POISSON))
+MPM_WHEN(TurnsOnLine, VARIES(DRIFT_ANGLE) && s->layout.dim == 1)
+MPM_WHEN(VariesTwice, VARIES(MACH) && (VARIES(DRIFT) || VARIES(DRIFT_ANGLE)))
+MPM_WHEN(TurnsNothing, VARIES(DRIFT_ANGLE) && !VARIES(DRIFT) && s->step.drift[0].value == 0 && s->step.drift[1].value == 0)
+MPM_WHEN(SurveysBulk, r->survey && (Is(r, "critical") || Is(r, "spectrum")))
+MPM_WHEN(LimitAtMach, Is(r, "critical") && r->at_mach)
+MPM_WHEN(SurfaceOfFile, s->layout.given && IsBeyondBulk(r))
+MPM_WHEN(BeyondColliders, s->layout.colliders && IsBeyondBulk(r))
+MPM_WHEN(WithoutBulk, !SEES(IN_BULK))
+MPM_WHEN(WithoutRandom, !SEES(AT_RANDOM))
+MPM_WHEN(WithoutLayouts, !Is(r, "ensemble") && !SEES(AT_RANDOM) && !SEES(DISORDERED) && !SEES(AT_WORST))
+MPM_WHEN(WithoutWorst, !SEES(AT_WORST) && !s->layout.given)
+/* the slides define their weights for hat functions, at nodes with a cell on either side */
+MPM_WHEN(StartsFromNoMode, Is(r, "run") && s->initial != MPM_INITIAL_EIGENMODE && r->mode_file[0])
+MPM_WHEN(HasNoOutput, Is(r, "run") && !r->output[0])
+MPM_WHEN(HasNoCheckpoint, Is(r, "run") && !r->checkpoint[0])
+MPM_WHEN(WritesTooMany, r->output[0] && s->layout.particles > PETSC_MAX_INT / 3)
+MPM_WHEN(HasNoWeights, Is(r, "run") && r->weights && !(s->scheme.basis->hat && MpmSceneIsPeriodic(s)))
+
+/* Rules that follow from options alone, and those of axes, Mach numbers and neighbourhoods, which are read before. */
+static const MpmRule at_first[] = {
+  {"courant", NULL, MPM_FROM_DEFAULT, ChoosesElsewhere, "allowed with this task: a number"},
+  {"kinematics", NULL, MPM_FROM_DEFAULT, NeedsLinear, "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with material and stretch, or prestress, is about a uniform state"},
+  {"kinematics", NULL, MPM_FROM_DEFAULT, LooksAtLinear, "weights, source_term and ringing are of the linear step; allowed: without them"},
+  {"measure,nodal,neighbourhood,modes", NULL, MPM_FROM_SCENE, OfFrozen, "it is of a linear step; allowed: with kinematics linear"},
+  {"initial,mode,polarisation,amplitude,gravity,at_step", NULL, MPM_FROM_COMMAND_LINE, OfLinear, "the spectrum of a linear step does not depend on it; allowed: with task run, or with kinematics finite"},
+  {"window,exponents,warn_above", NULL, MPM_FROM_SCENE, WithoutTangent, "nothing reads it here; allowed: with tangent"},
+  {"exponents", NULL, MPM_FROM_DEFAULT, FollowsTooMany, "allowed: no more than places and fields of all particles"},
+  {"formulation,scheme,basis,transfer,courant,dt,expect,expect_critical,json", NULL, MPM_FROM_COMMAND_LINE, Surveys, "a survey goes through all schemes; allowed: without survey"},
+  {"damping_divisors", NULL, MPM_FROM_COMMAND_LINE, WithoutDamping, "allowed: only with damping"},
+  {"damping", NULL, MPM_FROM_DEFAULT, DampsNoWave, "the formulation names no continuous problem whose waves could be followed; allowed: a formulation with an exact solution"},
+  {"damping", NULL, MPM_FROM_DEFAULT, DampsPrestress, "waves about a prestressed state have no exact solution here; allowed: with dim 1, or without a prestress"},
+  {NULL}},
+at_last[] = {
+  {"map_axes", NULL, MPM_FROM_DEFAULT, HasNoPoisson, "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"},
+  {"map_axes", NULL, MPM_FROM_DEFAULT, VariesPrestress, "the prestress is of one Poisson's ratio; allowed: other axes"},
+  {"young,bulk", NULL, MPM_FROM_SCENE, VariesPoisson, "the map varies Poisson's ratio, and with it the wave speed of a modulus would change; allowed: sound_speed"},
+  {"map_axes", NULL, MPM_FROM_DEFAULT, TurnsOnLine, "allowed: drift_angle only with dim 2 or 3"},
+  {"map_axes", NULL, MPM_FROM_DEFAULT, VariesTwice, "mach makes the drift; allowed: mach with another axis"},
+  {"map_axes", NULL, MPM_FROM_DEFAULT, TurnsNothing, "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a drift such as 1/8,0"},
+  {"velocity", NULL, MPM_FROM_SCENE, KeepsDrift, "the Courant number is varied at a fixed drift, and with it the drift of a velocity would change; allowed: drift or mach"},
+  {"velocity", NULL, MPM_FROM_SCENE, HasNoDrift, "how many cells particles move per step depends on the time step; allowed: with dt or courant, or drift"},
+  {"mach", NULL, MPM_FROM_SCENE, SurveysAtMach, "a survey keeps the drift; allowed: drift, or without survey"},
+  {"mach", NULL, MPM_FROM_SCENE, TurnsMach, "a map that turns the drift keeps its size; allowed: drift"},
+  {"neighbourhood", NULL, MPM_FROM_SCENE, SurveysBulk, "a survey is of the bulk; allowed: without survey"},
+  {"neighbourhood", NULL, MPM_FROM_SCENE, LimitAtMach, "at a Mach number the search is of the bulk; allowed: drift"},
+  {"neighbourhood", NULL, MPM_FROM_DEFAULT, SurfaceOfFile, "the layout of a file has its own surfaces; allowed: bulk, or layout uniform"},
+  {"neighbourhood", NULL, MPM_FROM_DEFAULT, BeyondColliders, "colliders stand in the grid of the scene; allowed: bulk"},
+  {"csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix", NULL, MPM_FROM_COMMAND_LINE, WithoutBulk, "it is of the bulk; allowed: with neighbourhood bulk"},
+  {"voids", NULL, MPM_FROM_COMMAND_LINE, WithoutRandom, "allowed: with neighbourhood random"},
+  {"layouts", NULL, MPM_FROM_COMMAND_LINE, WithoutLayouts, "allowed: with neighbourhood random, disordered or worst"},
+  {"write_layout", NULL, MPM_FROM_COMMAND_LINE, WithoutWorst, "allowed: with neighbourhood worst, or with layout FILE or random"},
+  {"weights", NULL, MPM_FROM_DEFAULT, HasNoWeights, "allowed: with basis linear and boundary periodic"},
+  {"mode_file", "initial", MPM_FROM_SCENE, StartsFromNoMode, "allowed: only with initial eigenmode"},
+  {"output_every", NULL, MPM_FROM_SCENE, HasNoOutput, "allowed: only with output"},
+  {"checkpoint_every", NULL, MPM_FROM_SCENE, HasNoCheckpoint, "allowed: only with checkpoint"},
+  {"output", NULL, MPM_FROM_SCENE, WritesTooMany, "too many particles for it; allowed: at most 715827882"},
+  {NULL}};
+/* clang-format on */
 
 /* An exact solution that ends before the run does would be wrong. */
 static PetscErrorCode CheckSolution(const MpmSettings *settings, const MpmScene *scene, const MpmRequest *request)
@@ -407,26 +470,21 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   request->nodal_asked = MpmSettingsGiven(settings, "nodal");
   if (!request->nodal_asked)
     request->nodal = scene->layout.particles * scene->scheme.table->nstate >= NODAL_FROM ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(CheckKinematics(settings, scene, request));
-  PetscCall(MpmSettingsReadTangent(settings, scene, request));
+  PetscCall(MpmSettingsCheckRules(settings, at_first, scene, request));
+  if (request->tangent) PetscCall(CheckTangent(settings, scene, "tangent"));
+  if (scene->scheme.space.finite && Is(request, "spectrum")) PetscCall(CheckTangent(settings, scene, "kinematics"));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSolution(settings, scene, request));
-  if (request->survey) /* it does not depend on the scene's Courant number */
-    PetscCall(MpmSettingsRefuseAny(settings, MPM_FROM_COMMAND_LINE,
-                                   "formulation,scheme,basis,transfer,courant,dt,expect,expect_critical,json",
-                                   "a survey goes through all schemes; allowed: without survey"));
-  PetscCall(ReadDamping(settings, scene, request));
+  PetscCall(ReadDamping(settings, request));
   for (int a = 0; a < 2; a++) request->axes[a].parameter = MPM_NONE;
-  if (!strcmp(request->task, "map")) PetscCall(ReadAxes(settings, scene, request));
+  if (Is(request, "map")) PetscCall(ReadAxes(settings, scene, request));
   PetscCall(CheckSpans(settings, request));
-  PetscCall(CheckVelocity(settings, scene, request));
   PetscCall(ReadMach(settings, scene, request));
-  PetscCall(MpmSettingsReadNeighbourhoods(settings, scene, request));
-  /* the slides define their weights for hat functions, at nodes with a cell on either side */
-  MpmSettingsRefuseIf(!strcmp(request->task, "run") && request->weights &&
-                          !(scene->scheme.basis->hat && MpmSceneIsPeriodic(scene)),
-                      settings, "weights", "allowed: with basis linear and boundary periodic");
-  PetscCall(ReadOutputs(settings, scene, request));
+  PetscCall(ReadNeighbourhoods(settings, scene, request));
+  PetscCall(MpmSettingsCheckRules(settings, at_last, scene, request));
+  MpmCheckInput(!Is(request, "run") || scene->initial != MPM_INITIAL_EIGENMODE || request->mode_file[0],
+                "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
+  PetscCall(ReadOutputs(settings, request));
   PetscCall(ReadExpect(settings, scene, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -437,15 +495,16 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
 */
 PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequest *request)
 {
-  PetscInt dim;
+  const char *phases = MpmSettingsText(settings, "phases");
+  PetscInt    dim;
 
   PetscFunctionBegin;
-  MpmSettingsPhases(settings, &request->given_phases);
+  request->given_phases = phases ? 1 : 0;
+  for (; phases && *phases; phases++) request->given_phases += *phases == ',';
   dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
   PetscCall(MpmSettingsReadProgram(settings, request));
-  if (!strcmp(request->task, "map")) PetscCall(MpmSettingsReadProgramAxes(settings, request));
-  PetscCall(ReadOutputs(settings, NULL, request));
+  PetscCall(ReadOutputs(settings, request));
   PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

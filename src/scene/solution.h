@@ -40,8 +40,6 @@ typedef struct {
   PetscErrorCode (*check)(const MpmSettings *settings, MpmScene *scene);
 } MpmSolution;
 
-extern const MpmSolution MpmManufacturedBar, MpmVortex, MpmSimpleWave, MpmShockTube;
-
 /* Not collective. The exact solution of a scene at finite strain, or NULL. */
 const MpmSolution *MpmSolutionOf(const MpmScene *scene);
 

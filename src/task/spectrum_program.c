@@ -4,12 +4,10 @@
 */
 #include "task/task.h"
 #include "io/matrix_file.h"
-#include "io/spectrum_files.h"
 #include "probe/program_growth.h"
 #include "probe/program_run.h"
 #include "report/report_program.h"
 #include "report/results.h"
-#include "task/expect.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,11 +1,9 @@
 /* The task symbol for blocks from a file, or of a code that is probed: growth at equally spaced phases, and between them where it is largest. */
-#include "task/task.h"
 #include "analysis/worst_phase.h"
-#include "io/blocks_file.h"
-#include "io/symbol_files.h"
+#include "io/matrix_file.h"
 #include "probe/motion.h"
 #include "report/report_program.h"
-#include "task/expect.h"
+#include "task/task.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 

@@ -1,6 +1,11 @@
 /* Tasks: what a user can ask the program to do. */
 #pragma once
-#include "scene/request.h"
+#include "analysis/neighbourhoods.h"
+#include "analysis/run.h"
+#include "analysis/spectrum.h"
+#include "io/datafile.h"
+#include "symbol/predict.h"
+#include <jansson.h>
 
 /*
    Does the work of a task on its scene (NULL: a matrix takes its place) and request. missed: the number of expectations
@@ -56,11 +61,81 @@ PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started
 PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, PetscInt *missed);
 
 /*
-   What is installed beside the program, made from its list of options: a JSON schema of scene files, for editors;
-   completions for bash or zsh; the man page, in the language of man(7).
+   MpmSpectrumReport - the part of a report on a spectrum that comes after its heading. spectrum: of the bulk, or NULL. all:
+   of the neighbourhoods, or NULL where there is the bulk alone.
+   MpmSpectrumWriteFiles - writes eigenvalues, modes, the symbol's curves and transient growth as HDF5, and eigenvalues as
+   CSV, where the request names such files.
 
-   Collective: the first rank prints.
+   Collective.
 */
-PetscErrorCode MpmPrintSchema(void);
-void           MpmPrintCompletion(PetscBool zsh);
-void           MpmPrintManual(void);
+void MpmSpectrumReport(json_t *result, const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *spectrum,
+                       const MpmNeighbourhoods *all);
+PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *spectrum);
+
+/*
+   Collective. Compare what a scene expects with what came out, print each expectation that is missed, and add to their
+   number: of a run; of the verdict and growth of a computed spectrum or symbol; of one number.
+*/
+PetscErrorCode MpmExpectRun(const MpmRun *run, PetscInt *missed);
+PetscErrorCode MpmExpectFinding(const MpmExpect *expect, const MpmFinding *finding, PetscInt *missed);
+PetscErrorCode MpmExpectNumber(const MpmExpect *expect, MpmExpected which, PetscReal value, PetscInt *missed);
+
+/*
+   MpmRunFilesCreate - marches a scene, reads and writes the files that it names, and measures.
+
+   Collective on PETSC_COMM_WORLD. The files that it starts from must have been checked (CheckStart in tasks.c). A run that a
+   signal has stopped (run->stopped) leaves its checkpoint and no other file. started: see MpmRunCreate.
+*/
+PetscErrorCode MpmRunFilesCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started, MpmRun **run);
+
+/*
+   MpmSymbolWrite - writes curves over all phases, in the order of their numbers: /symbol/beta (phases x dim),
+   /symbol/growth, /symbol/published and /symbol/corrected, and where the amplification factors are kept, /symbol/factors
+   (phases x 2 size: real and imaginary part of each amplification factor in turn).
+
+   Collective. A number is NaN where a formula does not cover the phase. predictor NULL: there are no formulas.
+*/
+PetscErrorCode MpmSymbolWrite(const MpmSymbol *symbol, const MpmPredictor *predictor, MpmDataFile *file);
+
+/*
+   MpmSymbolWriteCsv - writes rows of beta, growth, growth without the null space of P2G (at rest; it is the particle
+   data that no node feels), published and corrected growth. In one dimension there is a row for each phase up to pi, in
+   more for each phase.
+
+   Collective.
+*/
+PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *symbol, const MpmPredictor *predictor, const char path[]);
+
+/*
+   MpmWordsRead - gives *argc and *argv the words that were meant. The old words stay as they are.
+
+     --option value, --option=value    -option value
+     -Courant                          -courant
+     version, --version, -version      version
+     help, --help, -h, TASK --help     help, or help TASK
+     critical musl                     critical -formulation musl, unless there is a file of that name
+
+   Not collective. Returns 0, or 1 when memory ends. The new *argv is freed with free, after MpmFinalize.
+*/
+int MpmWordsRead(int *argc, char ***argv);
+
+/*
+   MpmWordsCheckViewers - returns whether no option of PETSc's, such as -log_view :FILE, names the file of another word: the
+   scene, or a file that is read or written. Otherwise the first rank prints which one does.
+
+   Not collective; call it before PetscInitialize, which empties such a file.
+*/
+int MpmWordsCheckViewers(int argc, char **argv);
+
+/* Texts that are files in the source, and that the build puts into the library. */
+
+/*S
+   MpmNamedText - a text with its name. A list of them ends with a name that is NULL.
+S*/
+typedef struct {
+  const char *name, *text;
+} MpmNamedText;
+
+extern const char MpmCodesText[]; /* codes.json, the public codes */
+extern const MpmNamedText
+    MpmAdapterTexts[]; /* examples/your-code/adapters, by language; and a file that one of them calls */

@@ -3,7 +3,6 @@
 #include "linalg/eigen.h"
 #include "report/report_program.h"
 #include "report/results.h"
-#include "task/expect.h"
 #include "task/task.h"
 
 static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)

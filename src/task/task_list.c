@@ -1,16 +1,295 @@
-/* The task list: mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|scope|codes] */
+/*
+   The task list: mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|scope|codes];
+   and what is installed beside the program, made from its lists of tasks and options.
+*/
 #include "base/suggest.h"
 #include "report/report.h"
 #include "scene/fields.h"
 #include "scheme/language.h"
 #include "task/task.h"
-#include "task/texts.h"
 #include <jansson.h>
 #include <math.h>
 #include <slepcsys.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+
+static PetscBool TakesFile(const MpmField *o)
+{
+  return o->kind == MPM_PATH ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static void PrintWords(const MpmField *o)
+{
+  for (PetscInt i = 0; MpmFieldWord(o, i); i++) MpmPrint("%s%s", i ? " " : "", MpmFieldWord(o, i));
+}
+
+static void PrintBash(void)
+{
+  MpmPrint("# bash completion for mpmstab; made by 'mpmstab list completion-bash'\n"
+           "_mpmstab() {\n"
+           "  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]} task=${COMP_WORDS[1]} options\n"
+           "  COMPREPLY=()\n"
+           "  if [ \"$COMP_CWORD\" -eq 1 ]; then COMPREPLY=($(compgen -W '");
+  for (const MpmTask *task = MpmTasks; task->name; task++) MpmPrint("%s ", task->name);
+  MpmPrint("help version' -- \"$cur\")); return; fi\n"
+           "  case $prev in\n");
+  for (const MpmField *o = MpmOptions; o->name; o++) {
+    if (TakesFile(o)) MpmPrint("    -%s) COMPREPLY=($(compgen -f -- \"$cur\")); return ;;\n", o->name);
+    if (!MpmFieldWord(o, 0)) continue;
+    MpmPrint("    -%s) COMPREPLY=($(compgen -W '", o->name);
+    PrintWords(o);
+    MpmPrint("' -- \"$cur\")); return ;;\n");
+  }
+  MpmPrint("  esac\n"
+           "  case $task in\n");
+  for (const MpmTask *task = MpmTasks; task->name; task++) {
+    MpmPrint("    %s) options='", task->name);
+    for (const MpmField *o = MpmOptions; o->name; o++)
+      if (!task->words && MpmFieldIsOf(o, task->name)) MpmPrint("-%s ", o->name);
+    MpmPrint("' ;;\n");
+  }
+  MpmPrint("  esac\n"
+           "  case $cur in\n"
+           "    -*) COMPREPLY=($(compgen -W \"$options\" -- \"$cur\")) ;;\n"
+           "    *) COMPREPLY=($(compgen -f -X '!*.y*ml' -- \"$cur\") $(compgen -d -- \"$cur\")) ;;\n"
+           "  esac\n"
+           "}\n"
+           "complete -o filenames -F _mpmstab mpmstab\n");
+}
+
+/* In a pair of single quotes, inside brackets of _arguments. */
+static void PrintHelpOf(const MpmField *o)
+{
+  for (const char *c = o->help; *c; c++) {
+    if (*c == '\'')
+      MpmPrint("'\\''");
+    else
+      MpmPrint(strchr("[]:", *c) ? "\\%c" : "%c", *c);
+  }
+}
+
+static void PrintZsh(void)
+{
+  MpmPrint("#compdef mpmstab\n# made by 'mpmstab list completion-zsh'\n_arguments \\\n  '1:task:(");
+  for (const MpmTask *task = MpmTasks; task->name; task++) MpmPrint("%s ", task->name);
+  MpmPrint("help version)' \\\n");
+  for (const MpmField *o = MpmOptions; o->name; o++) {
+    MpmPrint("  '-%s[", o->name);
+    PrintHelpOf(o);
+    MpmPrint("]");
+    if (TakesFile(o)) MpmPrint(":file:_files");
+    if (MpmFieldWord(o, 0)) {
+      MpmPrint(":word:(");
+      PrintWords(o);
+      MpmPrint(")");
+    } else if (!TakesFile(o) && o->kind != MPM_SWITCH)
+      MpmPrint(":value: ");
+    MpmPrint("' \\\n");
+  }
+  MpmPrint("  '*:scene:_files -g \"*.y(a|)ml\"'\n");
+}
+
+static void PrintCompletion(PetscBool zsh)
+{
+  if (zsh)
+    PrintZsh();
+  else
+    PrintBash();
+}
+
+/* ---- the man page. Source of the macros: man(7) ---- */
+
+/* Text as roff takes it: a backslash begins an escape, a dash is a minus, and a dot or a quote begins a request. */
+static void Put(const char text[])
+{
+  if (text[0] == '.' || text[0] == '\'') MpmPrint("\\&");
+  for (const char *c = text; *c; c++) {
+    if (*c == '\\')
+      MpmPrint("\\e");
+    else if (*c == '-')
+      MpmPrint("\\-");
+    else
+      MpmPrint("%c", *c);
+  }
+}
+
+static void PutOption(const MpmField *o)
+{
+  MpmPrint(".TP\n\\fB\\-%s\\fR", o->name);
+  if (o->kind != MPM_SWITCH) MpmPrint(" \\fIvalue\\fR");
+  if (o->fallback) {
+    MpmPrint(" (default ");
+    Put(o->fallback);
+    MpmPrint(")");
+  }
+  MpmPrint("\n");
+  Put(o->help);
+  if (o->tasks) MpmPrint(". Tasks: %s", o->tasks);
+  MpmPrint(".\n");
+  if (!MpmFieldWord(o, 0)) return;
+  MpmPrint("Words:");
+  for (PetscInt i = 0; MpmFieldWord(o, i); i++) {
+    MpmPrint(i ? ", " : " ");
+    Put(MpmFieldWord(o, i));
+  }
+  MpmPrint(".\n");
+}
+
+static void PrintManual(void)
+{
+  MpmPrint(
+      ".TH MPMSTAB 1 \"\" \"mpmstab %s\" \"User commands\"\n"
+      ".SH NAME\nmpmstab \\- stability and accuracy of the material point method\n"
+      ".SH SYNOPSIS\n[\\fBmpirun \\-n\\fR \\fIranks\\fR] \\fBmpmstab\\fR \\fItask\\fR [\\fIscene.yaml\\fR] "
+      "[\\fB\\-option\\fR \\fIvalue\\fR]...\n"
+      ".SH DESCRIPTION\nmpmstab answers whether a scheme of the material point method is stable, for which time "
+      "step, how accurate it is, and why.\nA scene is a file of options, one \\fIkey: value\\fR a line; options of "
+      "the command line take the place of its own.\n"
+      ".SH TASKS\n",
+      MPMSTAB_VERSION);
+  for (const MpmTask *task = MpmTasks; task->name; task++) {
+    MpmPrint(".TP\n\\fB%s\\fR\n", task->name);
+    Put(task->summary);
+    MpmPrint(".\nExample: \\fBmpmstab ");
+    Put(task->example);
+    MpmPrint("\\fR\n");
+  }
+  MpmPrint(".SH OPTIONS\n");
+  for (const MpmField *o = MpmOptions; o->name; o++) PutOption(o);
+  MpmPrint(".SH EXIT STATUS\n"
+           "0: done. 1: an error that is not the user's. 2: bad input; one line says which option or file, and what is "
+           "allowed. 3: done, but something came out that the scene does not expect. 143: a signal ended the work.\n"
+           ".SH MPI\nAs root, Open MPI's mpirun wants OMPI_ALLOW_RUN_AS_ROOT=1 and OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 in "
+           "the environment; with more ranks than cores it wants \\-\\-oversubscribe.\n");
+}
+
+/*
+   A JSON schema of scenes, made from the fields, for editors that complete and check YAML: keys, what their values may be,
+   and what they mean.
+*/
+
+/* A new object of a type. */
+static json_t *Type(const char type[])
+{
+  return json_pack("{s:s}", "type", type);
+}
+
+/* A number within the bounds of an option. */
+static json_t *Number(const MpmField *o, const char type[])
+{
+  json_t *number = Type(type);
+
+  if (o->lo > -PETSC_MAX_REAL)
+    json_object_set_new(number, o->lo_open ? "exclusiveMinimum" : "minimum", json_real(o->lo));
+  if (o->hi < PETSC_MAX_REAL) json_object_set_new(number, "maximum", json_real(o->hi));
+  return number;
+}
+
+/* A number, or text: a fraction, or 1e-6, which readers of YAML 1.1 take for text. */
+static json_t *Fraction(const MpmField *o)
+{
+  return json_pack("{s:[o,{s:s,s:s}]}", "anyOf", Number(o, "number"), "type", "string", "pattern",
+                   "^[-+]?[0-9.]+([eE][-+]?[0-9]+)?(/[0-9]+)?$");
+}
+
+static json_t *Word(const MpmField *o)
+{
+  json_t *words = json_array();
+
+  for (PetscInt i = 0; MpmFieldWord(o, i); i++) json_array_append_new(words, json_string(MpmFieldWord(o, i)));
+  return json_pack("{s:o}", "enum", words);
+}
+
+static json_t *Several(json_t *item, int least, int most)
+{
+  return json_pack("{s:s,s:o,s:i,s:i}", "type", "array", "items", item, "minItems", least, "maxItems", most);
+}
+
+/* One value of an option, for one direction. */
+static json_t *One(const MpmField *o)
+{
+  switch (o->kind) {
+  case MPM_INTEGER:
+    return Number(o, "integer");
+  case MPM_REAL:
+  case MPM_FRACTION:
+    return Fraction(o);
+  case MPM_SWITCH:
+    return Type("boolean");
+  case MPM_WORD:
+    return Word(o);
+  case MPM_RANGE:
+  case MPM_SPAN:
+    return json_pack("{s:[o,{s:s}]}", "anyOf", Several(Fraction(o), 2, 2), "type", "string");
+  default:
+    return Type("string");
+  }
+}
+
+/* A word that may stand in the place of a number. */
+static json_t *OrAlso(const MpmField *o, json_t *value)
+{
+  return o->also ? json_pack("{s:[o,{s:s}]}", "anyOf", value, "const", o->also) : value;
+}
+
+/* Lists, ranges, ends and words may be text with commas or an array; so may a value for each direction. */
+static json_t *Value(const MpmField *o)
+{
+  if (o->kind == MPM_BLOCKS) return json_pack("{s:[s,s,s]}", "type", "object", "array", "string");
+  if (o->kind == MPM_LIST) return json_pack("{s:[s,s,s]}", "type", "integer", "string", "array");
+  if (o->kind == MPM_ENDS || o->kind == MPM_WORDS) return json_pack("{s:[s,s]}", "type", "string", "array");
+  if (o->kind == MPM_WORD && !strcmp(o->name, "formulation")) return Word(o);
+  if (!o->each) return OrAlso(o, One(o));
+  return json_pack("{s:[o,o,{s:s,s:s}]}", "anyOf", One(o), Several(One(o), 1, 2 * MPM_MAX_DIM), "type", "string",
+                   "pattern", ",");
+}
+
+static json_t *Described(const MpmField *o)
+{
+  json_t *value = Value(o);
+
+  json_object_set_new(value, "description", json_string(o->help));
+  if (o->fallback) json_object_set_new(value, "default", json_string(o->fallback));
+  return value;
+}
+
+static PetscErrorCode PrintSchema(void)
+{
+  json_t *keys = json_object(), *expect = json_object(), *names = json_array(), *schema;
+  char   *text;
+
+  PetscFunctionBegin;
+  for (const MpmField *o = MpmOptions; o->name; o++) {
+    const char *inside = strncmp(o->name, "expect_", 7) ? NULL : o->name + 7;
+
+    if (o->no_key) continue;
+    if (inside)
+      json_object_set_new(expect, inside, Described(o));
+    else
+      json_object_set_new(keys, o->name, Described(o));
+    json_array_append_new(names, json_string(o->name));
+  }
+  json_object_set(expect, "verdict", json_object_get(keys, "expect"));
+  json_object_set_new(keys, "expect",
+                      json_pack("{s:[O,{s:s,s:o,s:b}]}", "anyOf", json_object_get(keys, "expect"), "type", "object",
+                                "properties", expect, "additionalProperties", 0));
+  json_object_set_new(keys, "scheme", json_pack("{s:[s,s]}", "type", "string", "object"));
+  /* a scheme as text may have parameters, whose names are keys too */
+  schema =
+      json_pack("{s:s,s:s,s:s,s:s,s:o,s:{s:[s]},s:{s:{s:o}}}", "$schema", "http://json-schema.org/draft-07/schema#",
+                "title", "a scene of mpmstab", "description", "keys of a scene file; mpmstab list options", "type",
+                "object", "properties", keys, "if", "required", "scheme", "else", "propertyNames", "enum", names);
+  PetscCheck(schema, PETSC_COMM_SELF, PETSC_ERR_LIB, "the schema cannot be made");
+  text = json_dumps(schema, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(12));
+  PetscCheck(text, PETSC_COMM_SELF, PETSC_ERR_LIB, "the schema cannot be written");
+  MpmPrint("%s\n", text);
+  free(text);
+  json_decref(schema);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the task ---- */
 
 /* A line of a list whose parts have a name, a summary and a source. */
 #define LIST(function, list)                                                                                           \
@@ -255,11 +534,11 @@ static PetscErrorCode PrintInstalled(const char word[], PetscBool *found)
   PetscFunctionBegin;
   *found = PETSC_TRUE;
   if (!strcmp(word, "schema"))
-    PetscCall(MpmPrintSchema());
+    PetscCall(PrintSchema());
   else if (!strcmp(word, "man"))
-    MpmPrintManual();
+    PrintManual();
   else if (!strcmp(word, "completion-bash") || !strcmp(word, "completion-zsh"))
-    MpmPrintCompletion(word[11] == 'z' ? PETSC_TRUE : PETSC_FALSE);
+    PrintCompletion(word[11] == 'z' ? PETSC_TRUE : PETSC_FALSE);
   else
     *found = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -1,8 +1,188 @@
-/* The task map: mpmstab map [SCENE.yaml | -program COMMAND | -plugin FILE] [-option value]... */
+/*
+   The task map: mpmstab map [SCENE.yaml | -program COMMAND | -plugin FILE] [-option value]... A stability map as a picture of
+   letters, and as JSON, CSV and HDF5.
+*/
+#include "analysis/stability_map.h"
+#include "base/textfile.h"
+#include "io/datafile.h"
 #include "probe/program_map.h"
-#include "task/expect.h"
-#include "report/results.h"
+#include "report/report_program.h"
 #include "task/task.h"
+#include <math.h>
+
+/* The largest number of rows and columns printed; others are left out. */
+#define MOST_ROWS 25
+#define MOST_COLUMNS 65
+
+static char Letter(const MpmStabilityMap *map, PetscInt point)
+{
+  const PetscReal excess = map->growth[point] - 1;
+
+  if (map->verdict[point] == MPM_UNDECIDED) return '?';
+  if (map->verdict[point] == MPM_STABLE) return '.';
+  return excess < 1e-3 ? '-' : excess < 1e-2 ? '+' : excess < 1e-1 ? 'x' : '#';
+}
+
+/* The first axis points up, the second to the right. */
+static void PrintPicture(const MpmStabilityMap *map)
+{
+  const PetscInt rows = map->points[0], columns = map->points[1];
+  const PetscInt down = (rows - 1) / MOST_ROWS + 1, right = (columns - 1) / MOST_COLUMNS + 1;
+
+  MpmPrint("\n%s\n", map->request->axes[0].name);
+  for (PetscInt i = (rows - 1) / down * down; i >= 0; i -= down) {
+    char     line[MOST_COLUMNS + 1];
+    PetscInt n = 0;
+
+    for (PetscInt j = 0; j < columns; j += right) line[n++] = Letter(map, i * columns + j);
+    line[n] = '\0';
+    MpmPrint("%8.5g  %s\n", map->at[0][i], line);
+  }
+  MpmPrint("%8s  %s %.6g to %.6g\n", "", map->request->axes[1].name, map->at[1][0], map->at[1][columns - 1]);
+  MpmPrint(". stable   growth - 1 per step: - below 0.001, + below 0.01, x below 0.1, # beyond   ? undecided\n");
+}
+
+/* The code, and its certificates at the point that grows fastest. */
+static void Program(json_t *result, const MpmStabilityMap *map)
+{
+  MpmReportProgram(map->program);
+  MpmPrint("at each of the points; certificates are of the one that grows fastest\n");
+  MpmReportProbed(result, map->program);
+}
+
+/* How many points a certificate fails at, and one of them. */
+static void PrintFaults(const MpmStabilityMap *map)
+{
+  const MpmAxis *axes = map->request->axes;
+
+  for (MpmCertificate c = 0; c < MPM_CERTIFICATES; c++) {
+    PetscInt count = 0, first = 0;
+
+    for (PetscInt i = map->points[0] * map->points[1] - 1; i >= 0; i--) {
+      if (map->fault[i] != (PetscInt)c) continue;
+      first = i;
+      count++;
+    }
+    if (count)
+      MpmPrint("  %s fails at %" PetscInt_FMT " points, first at %s %.6g, %s %.6g: %s\n", MpmCertificateNames[c], count,
+               axes[0].name, map->at[0][first / map->points[1]], axes[1].name, map->at[1][first % map->points[1]],
+               MpmCertificateFaults[c]);
+  }
+}
+
+/* The axes, and the limits of the closed forms, which JSON alone has. */
+static PetscErrorCode Axes(json_t *result, MpmStabilityMap *map)
+{
+  const int other = map->request->axes[0].kind == MPM_AXIS_COURANT ? 1 : 0;
+
+  PetscFunctionBegin;
+  for (int a = 0; a < 2; a++) {
+    const char *name = map->request->axes[a].name;
+
+    (void)json_array_append_new(MpmResultList(result, "axes"), json_string(name));
+    (void)json_array_append_new(MpmResultList(result, "shape"), json_integer(map->points[a]));
+    MpmResultNumbers(result, name, map->points[a], map->at[a]);
+  }
+  if (map->waves) MpmResultKeep(result, "%" PetscInt64_FMT "{phases}", MpmStabilityMapPhases(map));
+  if (map->request->refine) MpmResultKeep(result, "%d{refined?}", 1);
+  MpmResultKeep(result, "%g{seconds}", map->seconds);
+  if (map->scene && map->request->json[0]) PetscCall(MpmStabilityMapLimits(map));
+  if (!map->limits) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmResultKeep(result, "%g{published_limit!}", map->published_limit);
+  MpmResultNumbers(result, "corrected_limit", map->points[other], map->limits);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Report(MpmStabilityMap *map, PetscReal wall_s)
+{
+  const MpmRequest *request = map->request;
+  const MpmAxis    *axes    = request->axes;
+  const MpmFinding *f       = &map->finding;
+  const PetscInt    n       = map->points[0] * map->points[1];
+  json_t           *result, *found;
+
+  PetscFunctionBegin;
+  PetscCall(map->scene ? MpmResultOfScene(map->scene, request, &result) : MpmResultOfFile(request, NULL, &result));
+  found = MpmResultIn(result, "map");
+  MpmResultFinding(result, f);
+  PetscCall(Axes(found, map));
+  if (map->program) Program(result, map);
+  PrintPicture(map);
+  MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT, map->points[0], map->points[1]);
+  if (map->waves) MpmPrint(", %" PetscInt64_FMT " phases", MpmStabilityMapPhases(map));
+  if (map->scene && !request->refine) MpmPrint(" (growth between them is not seen: -refine looks for it)");
+  MpmResultSay(found, "\nunstable   %" PetscInt_FMT "{unstable} (%.4g%%)\nundecided  %" PetscInt_FMT "{undecided}\n",
+               map->unstable, 100.0 * map->unstable / n, map->undecided);
+  if (map->program) PrintFaults(map);
+  MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, axes[0].name,
+           map->at[0][map->worst / map->points[1]], axes[1].name, map->at[1][map->worst % map->points[1]]);
+  if (!isnan(map->published_limit))
+    MpmPrint("published  stable up to Courant number %.6g (particles at rest)\n", map->published_limit);
+  MpmPrint("\nverdict: %s, growth beyond 1 + %.6g at %" PetscInt_FMT " of %" PetscInt_FMT " points\nevidence: %s\n",
+           MpmVerdictNames[f->verdict], f->tolerance, map->unstable, n, f->evidence);
+  MpmPrint("time: %.3g s\n", map->seconds);
+  PetscCall(MpmResultEnd(request, wall_s, &result));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const char *BetaName(PetscInt dim, PetscInt axis)
+{
+  static const char *const names[] = {"beta_x", "beta_y", "beta_z"};
+
+  return dim == 1 ? "beta" : names[axis];
+}
+
+static const char *DriftName(PetscInt dim, PetscInt axis)
+{
+  static const char *const names[] = {"drift_x", "drift_y", "drift_z"};
+
+  return dim == 1 ? "drift" : names[axis];
+}
+
+static PetscErrorCode WriteCsv(const MpmStabilityMap *map)
+{
+  const PetscInt dim = map->waves;
+  MpmTextFile    csv;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTextFileOpen(map->request->csv, &csv));
+  if (csv.stream) {
+    fprintf(csv.stream, "%s,%s,growth", map->request->axes[0].name, map->request->axes[1].name);
+    for (PetscInt a = 0; a < dim; a++) fprintf(csv.stream, ",%s", BetaName(dim, a));
+    for (PetscInt a = 0; a < dim && map->drift[a]; a++) fprintf(csv.stream, ",%s", DriftName(dim, a));
+    fprintf(csv.stream, ",verdict%s\n", map->fault ? ",fails" : "");
+    for (PetscInt i = 0; i < map->points[0] * map->points[1]; i++) {
+      fprintf(csv.stream, "%.17g", map->at[0][i / map->points[1]]);
+      MpmTextFileCell(&csv, map->at[1][i % map->points[1]]);
+      MpmTextFileCell(&csv, map->growth[i]);
+      for (PetscInt a = 0; a < dim; a++) MpmTextFileCell(&csv, map->beta[a][i]);
+      for (PetscInt a = 0; a < dim && map->drift[a]; a++) MpmTextFileCell(&csv, map->drift[a][i]);
+      fprintf(csv.stream, ",%s", MpmVerdictNames[map->verdict[i]]);
+      if (map->fault)
+        fprintf(csv.stream, ",%s", map->fault[i] < MPM_CERTIFICATES ? MpmCertificateNames[map->fault[i]] : "");
+      fprintf(csv.stream, "\n");
+    }
+  }
+  PetscCall(MpmTextFileClose(&csv));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WriteOutput(const MpmStabilityMap *map)
+{
+  MpmDataFile file;
+
+  PetscFunctionBegin;
+  PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, map->scene, map->request, &file));
+  for (int a = 0; a < 2; a++)
+    PetscCall(MpmDataFileArray(&file, "/map", map->request->axes[a].name, map->points[a], 1, map->at[a]));
+  PetscCall(MpmDataFileArray(&file, "/map", "growth", map->points[0], map->points[1], map->growth));
+  for (PetscInt a = 0; a < map->waves; a++)
+    PetscCall(MpmDataFileArray(&file, "/map", BetaName(map->waves, a), map->points[0], map->points[1], map->beta[a]));
+  for (PetscInt a = 0; a < map->waves && map->drift[a]; a++)
+    PetscCall(MpmDataFileArray(&file, "/map", DriftName(map->waves, a), map->points[0], map->points[1], map->drift[a]));
+  PetscCall(MpmDataFileClose(&file));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
@@ -18,9 +198,9 @@ PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, Pets
     PetscCall(MpmProgramOpen(request, &program));
     PetscCall(MpmStabilityMapOfProgram(&program, &map));
   }
-  if (request->csv[0]) PetscCall(MpmStabilityMapWriteCsv(map));
-  if (request->output[0]) PetscCall(MpmStabilityMapWriteOutput(map));
-  PetscCall(MpmStabilityMapReport(map, MPI_Wtime() - started));
+  if (request->csv[0]) PetscCall(WriteCsv(map));
+  if (request->output[0]) PetscCall(WriteOutput(map));
+  PetscCall(Report(map, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, &map->finding, missed));
   PetscCall(MpmStabilityMapDestroy(&map));
   if (!scene) PetscCall(MpmProgramClose(&program));

@@ -1,16 +1,168 @@
-/* The list of tasks, the steps that all tasks on a scene share, and the usage text. */
-#include <mpmstab/errors.h>
+/*
+   The list of tasks, from the words of the command line to those that were meant, the steps that all tasks on a scene share,
+   and the usage text.
+*/
+#include "base/launch.h"
 #include "base/memory.h"
 #include "base/stop.h"
 #include "base/suggest.h"
 #include "base/text.h"
+#include "base/textfile.h"
 #include "io/checkpoint.h"
 #include "io/mode_file.h"
 #include "scene/fields.h"
 #include "scene/settings.h"
 #include "task/task.h"
+#include <mpmstab/errors.h>
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
+
+static char help[] = "help", version[] = "version", formulation_option[] = "-formulation";
+
+typedef struct {
+  int    n;
+  char **word;
+} Words;
+
+static void Add(Words *words, char word[])
+{
+  words->word[words->n++] = word;
+  words->word[words->n]   = NULL;
+}
+
+static int IsOption(const char word[])
+{
+  return word[0] == '-' && (word[1] == '-' || isalpha((unsigned char)word[1]));
+}
+
+static int IsAmong(const char word[], const char *const among[])
+{
+  for (; *among; among++)
+    if (!strcasecmp(word, *among)) return 1;
+  return 0;
+}
+
+static int AsksForHelp(const char word[])
+{
+  static const char *const asks[] = {"-h", "-help", "--help", NULL};
+
+  return IsAmong(word, asks);
+}
+
+/* A task in any case of letters. */
+static const MpmTask *TaskOf(const char word[])
+{
+  for (const MpmTask *task = MpmTasks; task->name; task++)
+    if (!strcasecmp(task->name, word)) return task;
+  return NULL;
+}
+
+static const MpmFormulation *FormulationOf(const char word[])
+{
+  for (PetscInt f = 0; MpmFormulations[f]; f++)
+    if (!strcasecmp(MpmFormulations[f]->name, word) && access(word, F_OK)) return MpmFormulations[f];
+  return NULL;
+}
+
+/* An option of ours gets the name of the list; others, such as PETSc's, stay as they are but for their second dash. */
+static void AddOption(Words *words, char word[])
+{
+  char *const  name   = word[1] == '-' && isalpha((unsigned char)word[2]) ? word + 2 : word + 1;
+  const size_t length = strcspn(name, "=");
+
+  for (PetscInt i = 0; MpmOptions[i].name; i++) {
+    if (strncasecmp(MpmOptions[i].name, name, length) || MpmOptions[i].name[length]) continue;
+    memcpy(name, MpmOptions[i].name, length);
+    break;
+  }
+  if (name == word + 2 && name[length] == '=') {
+    name[length] = 0;
+    Add(words, name - 1);
+    Add(words, name + length + 1);
+  } else
+    Add(words, name - 1);
+}
+
+/* help, or help TASK, wherever the user asks for it. */
+static int TakesHelp(int argc, char **argv, Words *words)
+{
+  for (int w = 1; w < argc; w++) {
+    if (!AsksForHelp(argv[w])) continue;
+    Add(words, help);
+    if (w > 1 && TaskOf(argv[1])) Add(words, argv[1]);
+    return 1;
+  }
+  return 0;
+}
+
+int MpmWordsRead(int *argc, char ***argv)
+{
+  static const char *const versions[] = {"version", "-version", "--version", NULL};
+
+  char *const *const given = *argv;
+  const int          n     = *argc;
+  Words              words = {.word = calloc((size_t)(2 * n + 2), sizeof *words.word)};
+
+  if (!words.word) return 1;
+  Add(&words, given[0]);
+  if (!TakesHelp(n, *argv, &words) && n > 1) {
+    const MpmTask *task = TaskOf(given[1]);
+
+    Add(&words, IsAmong(given[1], versions) ? version : given[1]);
+    if (task) memcpy(given[1], task->name, strlen(task->name));
+    if (n > 2 && task && !task->words && FormulationOf(given[2])) Add(&words, formulation_option);
+    for (int i = 2; i < n; i++)
+      if (IsOption(given[i]))
+        AddOption(&words, given[i]);
+      else
+        Add(&words, given[i]);
+  }
+  *argc = words.n;
+  *argv = words.word;
+  return 0;
+}
+
+/* The file that the value of a viewer's option names, as in ascii:FILE:format; "": none. */
+static void FileOf(const char option[], const char value[], char file[PETSC_MAX_PATH_LEN])
+{
+  const char *colon = strchr(value, ':');
+  const char *name  = !strcmp(option, "-history") ? value : colon ? colon + 1 : "";
+
+  (void)snprintf(file, PETSC_MAX_PATH_LEN, "%.*s", (int)strcspn(name, ":"), name);
+}
+
+/* The word that names a file of ours: the scene, and the values of options that name files. */
+static int NamesFile(char **argv, int i)
+{
+  const PetscInt option = i > 2 && IsOption(argv[i - 1]) ? MpmOptionIndex(argv[i - 1] + 1) : MPM_NOT_AN_OPTION;
+
+  if (i == 2) return !IsOption(argv[i]);
+  return option != MPM_NOT_AN_OPTION && MpmOptions[option].file != MPM_FILE_NONE;
+}
+
+int MpmWordsCheckViewers(int argc, char **argv)
+{
+  char file[PETSC_MAX_PATH_LEN];
+
+  for (int i = 2; i + 1 < argc; i++) {
+    if (!IsOption(argv[i]) || MpmOptionIndex(argv[i] + 1) != MPM_NOT_AN_OPTION) continue;
+    FileOf(argv[i], argv[i + 1], file);
+    for (int k = 2; k < argc; k++) {
+      if (!NamesFile(argv, k) || !MpmFileIsSame(argv[k], file)) continue;
+      MpmLaunchRefuse(argv[i],
+                      "PETSc would write over a file that this command names otherwise; allowed: another file");
+      return 0;
+    }
+  }
+  return 1;
+}
+
+/* The list of tasks, the steps that all tasks on a scene share, and the usage text. */
 
 const MpmTask MpmTasks[] = {
     {"run", "march a scene: error against the exact solution, measured growth, energy, throughput",
@@ -122,5 +274,95 @@ PetscErrorCode MpmPrintHelp(const char name[])
   PrintOptions(task->name, PETSC_TRUE);
   MpmPrint("options that all tasks read: the scene and its files; also keys of a scene file\n");
   PrintOptions(task->name, PETSC_FALSE);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Prints an adapter for the user's code, with five places to fill in. */
+PetscErrorCode MpmTaskAdapter(int argc, char **argv)
+{
+  char        known[128] = "";
+  const char *names[16], *near;
+  PetscInt    n = 0;
+
+  PetscFunctionBegin;
+  for (; MpmAdapterTexts[n].name; n++) {
+    names[n] = MpmAdapterTexts[n].name;
+    if (n) MpmTextJoin(known, MpmAdapterTexts[n + 1].name ? ", " : " or ", sizeof known);
+    MpmTextJoin(known, names[n], sizeof known);
+    if (argc != 1 || strcmp(argv[0], names[n])) continue;
+    MpmPrint("%s", MpmAdapterTexts[n].text);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  near = argc == 1 ? MpmSuggest(argv[0], n, names) : NULL;
+  MpmRefuse("adapter%s%.200s: allowed: one word: %s%s%s%s", argc ? " " : "", argc ? argv[argc > 1] : "", known,
+            near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+}
+
+/*
+   A scene with an expect block is a test: each expectation that is missed is printed, and the program ends with status
+   3.
+*/
+
+static PetscErrorCode Miss(const char what[], const char found[], const char expected[], PetscInt *missed)
+{
+  PetscFunctionBegin;
+  fflush(stdout);
+  PetscCall(PetscFPrintf(PETSC_COMM_WORLD, stderr, "mpmstab: expected %s %s, found %s\n", what, expected, found));
+  (*missed)++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmExpectNumber(const MpmExpect *expect, MpmExpected which, PetscReal value, PetscInt *missed)
+{
+  static const char *const what[MPM_EXPECTED] = {"growth",
+                                                 "growth of the spectrum",
+                                                 "largest l2 error",
+                                                 "final / initial energy",
+                                                 "critical Courant number",
+                                                 "share of unstable layouts"};
+  const PetscReal         *range              = expect->range[which];
+  char                     expected[80], found[40];
+
+  PetscFunctionBegin;
+  if (!expect->has[which] || (value >= range[0] && value <= range[1])) PetscFunctionReturn(PETSC_SUCCESS);
+  (void)snprintf(expected, sizeof expected, "in [%.10g, %.10g]", range[0], range[1]);
+  (void)snprintf(found, sizeof found, isnan(value) ? "no value" : "%.10g", value);
+  PetscCall(Miss(what[which], found, expected, missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ExpectVerdict(const MpmExpect *expect, MpmVerdict verdict, PetscInt *missed)
+{
+  PetscFunctionBegin;
+  if (expect->has_verdict && expect->verdict != verdict)
+    PetscCall(Miss("verdict", MpmVerdictNames[verdict], MpmVerdictNames[expect->verdict], missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmExpectRun(const MpmRun *run, PetscInt *missed)
+{
+  const MpmExpect *expect = &run->request->expect;
+  const MpmGrowth *growth = &run->growth;
+  PetscReal        worst  = 0;
+  const char      *name[MPM_MOST_ERRORS];
+
+  PetscFunctionBegin;
+  PetscCall(ExpectVerdict(expect, run->verdict, missed));
+  if (expect->has_kind && (!growth->measured || growth->kind != expect->kind))
+    PetscCall(Miss("growth of kind", growth->measured ? MpmGrowthKindNames[growth->kind] : "none measured",
+                   MpmGrowthKindNames[expect->kind], missed));
+  PetscCall(MpmExpectNumber(expect, MPM_EXPECT_GROWTH, growth->measured ? growth->per_step : NAN, missed));
+  PetscCall(MpmExpectNumber(expect, MPM_EXPECT_ENERGY, run->energy_ratio, missed));
+  for (PetscInt f = 0; run->has_errors && f < MpmSceneErrorFields(run->scene, name); f++)
+    if (!(run->error[f].l2 <= worst)) worst = run->error[f].l2; /* NaN is the worst */
+  PetscCall(MpmExpectNumber(expect, MPM_EXPECT_ERROR, worst, missed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmExpectFinding(const MpmExpect *expect, const MpmFinding *finding, PetscInt *missed)
+{
+  PetscFunctionBegin;
+  PetscCall(ExpectVerdict(expect, finding->verdict, missed));
+  PetscCall(MpmExpectNumber(expect, MPM_EXPECT_SPECTRUM, finding->growth, missed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 #include "checked.h"
 #include "fuzz.h"
-#include "base/checksum.h"
+#include "io/checkpoint_file.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

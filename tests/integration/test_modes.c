@@ -4,8 +4,7 @@
 */
 #include "check.h"
 #include "analysis/spectrum.h"
-#include "io/spectrum_files.h"
-#include "task/run_files.h"
+#include "task/task.h"
 
 #define FILE_NAME "test_modes.h5"
 

@@ -177,7 +177,7 @@ def check_refusals():
 
 
 def sum_up(path):
-    """Writes the right checksum into a changed file (src/base/checksum.c)."""
+    """Writes the right checksum into a changed file (src/io/checkpoint_check.c)."""
     with open(path, "rb") as file:
         content = file.read()
     word = np.frombuffer(content[512:] + bytes(-len(content) % 8), dtype="<u8")
