@@ -18,33 +18,6 @@ PetscErrorCode MpmRegistersOf(const MpmSlab *slab, MpmRegisters *r)
 
 static PetscErrorCode AppendOps(MpmStepProgram *p, MpmMaps *maps, const MpmTable *table);
 
-static PetscErrorCode NodeVector(const MpmSlab *slab, Vec *vector)
-{
-  PetscFunctionBegin;
-  PetscCall(VecCreate(slab->comm, vector));
-  PetscCall(VecSetSizes(*vector, slab->nodes, PETSC_DETERMINE));
-  PetscCall(VecSetType(*vector, VECSTANDARD));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* 0 on the nodes of a wall, 1 elsewhere. */
-static PetscErrorCode Elsewhere(const MpmSlab *slab, const MpmOp *op, Vec *vector)
-{
-  const PetscInt wall = op->side ? slab->layout->grid[op->axis].nodes - 1 : 0;
-  PetscReal     *v;
-
-  PetscFunctionBegin;
-  PetscCall(NodeVector(slab, vector));
-  PetscCall(VecGetArrayWrite(*vector, &v));
-  for (PetscInt i = 0; i < slab->nodes; i++) {
-    PetscInt stride;
-
-    v[i] = MpmNodeAlong(slab->layout, slab->node0 + i, op->axis, &stride) != wall;
-  }
-  PetscCall(VecRestoreArrayWrite(*vector, &v));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmCollision(const MpmSlab *slab, const MpmOp *op, PetscReal time, const Vec u[], Vec *adds,
                             Vec slope[MPM_MAX_DIM])
 {
@@ -52,7 +25,7 @@ PetscErrorCode MpmCollision(const MpmSlab *slab, const MpmOp *op, PetscReal time
   PetscReal     *to[MPM_MAX_DIM], *add, v[MPM_MAX_DIM] = {0}, x[MPM_MAX_DIM], J[MPM_MAX_DIM * MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(NodeVector(slab, adds));
+  PetscCall(MpmRegisterVector(&(MpmRegisters){.comm = slab->comm, .rows = {0, slab->nodes}}, 1, adds));
   PetscCall(VecGetArray(*adds, &add));
   for (PetscInt d = 0; d < dim; d++) {
     PetscCall(VecDuplicate(*adds, &slope[d]));
@@ -99,16 +72,17 @@ static PetscErrorCode Collide(const MpmSlab *slab, const MpmOp *op, MpmLine line
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The nodes of a wall take a times what register src has there; the others keep their values. */
+/* The nodes of a wall lose their values, and take a times what register src has there; the others keep theirs. */
 static PetscErrorCode Wall(const MpmSlab *slab, const MpmOp *op, MpmLine line[2], PetscInt *n)
 {
   PetscFunctionBegin;
-  line[0] = (MpmLine){.dst = line[0].dst, .src = line[0].dst, .factor = 1};
-  PetscCall(Elsewhere(slab, op, &line[0].left));
+  line[0] = (MpmLine){.dst = line[0].dst, .src = line[0].dst, .factor = -1, .accumulates = PETSC_TRUE};
+  PetscCall(MpmWallSelection(slab, op->axis, op->side, &line[0].map));
   if (op->factor == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCheck(op->src != op->dst, slab->comm, PETSC_ERR_PLIB, "a wall reads the register that it sets");
   line[1].accumulates = PETSC_TRUE;
-  PetscCall(MpmWallSelection(slab, op->axis, op->side, &line[1].map));
+  line[1].map         = line[0].map;
+  PetscCall(PetscObjectReference((PetscObject)line[1].map));
   *n = 2;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

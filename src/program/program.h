@@ -1,7 +1,7 @@
 /*
    Program: a step, or several, as a list of lines on registers, and the one interpreter that walks them. What a
    register
-   is, an algebra says: a vector (vectors.c), a sparse matrix whose columns are the numbers that the program takes
+   is, an algebra says: a vector (program.c), a sparse matrix whose columns are the numbers that the program takes
    (matrices.c), or a polynomial of small matrices (operator/nodal_run.c).
 
    Registers are numbered: first those of particles, then those of nodes. A line with a map M is
@@ -156,20 +156,17 @@ PetscErrorCode MpmRegisterVector(const MpmRegisters *registers, PetscInt place, 
 
 /*
    MpmStepProgramMatrix - a MATSHELL whose products, and transposed products, run a program on vectors. The matrix has
-   references to both from then on. vectors: NULL for memory of its own. MatGetInfo has the program's nonzeros.
+   references to both from then on. vectors: NULL for memory of its own. MatGetInfo has the program's nonzeros. MatNorm has
+   its infinity norm from below; other norms are not known.
 
    MpmMatrixProgram - the program of such a matrix. MpmMatrixCopy - a second matrix of the same program, which may be
    scaled by itself.
-
-   MpmMatrixLowerNorm - the infinity norm of a matrix that has products alone, from below: the largest number that it
-   makes of a few vectors of ones with random signs. MatNorm of a program's matrix is that. Other norms are not known.
 
    Collective.
 */
 PetscErrorCode MpmStepProgramMatrix(MpmStepProgram *program, MpmVectors *vectors, Mat *matrix);
 PetscErrorCode MpmMatrixProgram(Mat matrix, const MpmStepProgram **program);
 PetscErrorCode MpmMatrixCopy(Mat matrix, Mat *copy);
-PetscErrorCode MpmMatrixLowerNorm(Mat matrix, NormType type, PetscReal *norm);
 
 /*S
    MpmMatrices - registers as sparse matrices. Their rows are particles or nodes, and their columns what the program
@@ -192,7 +189,8 @@ typedef struct {
    MpmMatricesCreate - the registers that a program takes are rows of the identity. degree: 0, or of polynomials; powers
    beyond it are dropped, and the calling rank holds everything.
    MpmMatricesRun - runs a program on them, which messages call step number step
-   MpmMatricesGather - what the program gives, as one matrix. diagonal is that of MpmInterleave.
+   MpmMatricesGather - what the program gives, as one matrix. Number f of row i becomes row nout x i + f.
+                       diagonal: it has every entry of its diagonal, if only as 0, so that it can be shifted.
    MpmStepProgramAssemble - all of this, of one program
 
    Collective.
@@ -202,15 +200,6 @@ PetscErrorCode MpmMatricesRun(MpmMatrices *m, const MpmStepProgram *program, Pet
 PetscErrorCode MpmMatricesGather(const MpmMatrices *m, PetscBool diagonal, Mat *A);
 PetscErrorCode MpmMatricesDestroy(MpmMatrices *m);
 PetscErrorCode MpmStepProgramAssemble(const MpmStepProgram *program, PetscBool diagonal, Mat *A);
-
-/*
-   MpmInterleave - one matrix of so many parts: row i of part f becomes row parts x i + f.
-
-   Collective. part: NULL where it is 0. rows, columns: how many this rank has of each part. diagonal: the result has
-   every entry of its diagonal, if only as 0, so that it can be shifted.
-*/
-PetscErrorCode MpmInterleave(MPI_Comm comm, PetscInt parts, const Mat part[], PetscInt rows, PetscInt columns,
-                             PetscBool diagonal, Mat *A);
 
 /* ---- the operator of some steps: as matrices, or without its matrix as their program ---- */
 

@@ -6,7 +6,7 @@
    stretched state of one dimension, and s0 = P / (F P'). A fluid feels the change of its volume alone, J = det F in the
    place of F. A solid in more dimensions has the stretches F_a along the axes (docs/theory.md, section 9).
 */
-#include "linalg/hermitian.h"
+#include "linalg/small_eigen.h"
 #include "scene/settings.h"
 #include <math.h>
 

@@ -14,6 +14,7 @@
 */
 #include "base/hash.h"
 #include "base/power_of_two.h"
+#include "linalg/lapack_names.h"
 #include "symbol/bloch.h"
 #include <mpmstab/verdict.h>
 #include <math.h>
@@ -142,6 +143,73 @@ void MpmBlochSetPhase(MpmBloch *b, const PetscReal beta[])
   MpmBlochSetStep(b, 0);
 }
 
+typedef double complex Small[MPM_MAX_DIM][MPM_MAX_DIM];
+
+static PetscBool IsGather(const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  return traits.src == MPM_ON_NODES && traits.dst == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* The lines of a table of K are gathers to scratch, and then sums of scratch. */
+static void Stiffness(const MpmBloch *b, const MpmTable *k, Small K)
+{
+  for (PetscInt c = 0; c < k->dim; c++)
+    for (PetscInt a = 0; a < k->dim; a++) K[c][a] = 0;
+  for (const MpmOp *grad = k->ops; grad < k->ops + k->nops; grad++)
+    for (const MpmOp *div = grad + 1; div < k->ops + k->nops && IsGather(grad); div++) {
+      const MpmOpTraits traits = MpmOpTraitsOf(div->kind);
+
+      if (traits.src != MPM_ON_PARTICLES || traits.dst != MPM_ON_NODES || div->src != grad->dst) continue;
+      for (PetscInt j = 0; j < b->ppc; j++)
+        K[div->dst - k->image][grad->src - k->solved] +=
+            div->factor * grad->factor / b->mass * conj(MpmBlochTie(b, div, j, NULL)) * MpmBlochTie(b, grad, j, NULL);
+    }
+}
+
+/* The inverse of 1 + a K, by LAPACK's elimination; the transposes of both, by columns, are these by rows. */
+static void Invert(PetscInt n, Small K, PetscReal a, Small inverse)
+{
+  const PetscBLASInt order = (PetscBLASInt)n, rows = MPM_MAX_DIM;
+  PetscBLASInt       pivot[MPM_MAX_DIM], info;
+  Small              A;
+
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt j = 0; j < n; j++) {
+      A[i][j]       = (i == j) + a * K[i][j];
+      inverse[i][j] = i == j;
+    }
+  MPM_ZGESV(&order, &order, A[0], &rows, pivot, inverse[0], &rows, &info);
+}
+
+/*
+   IMPLICIT: the vector of a node becomes (1 + a K)^-1 times it, with a number a for each lane. K is a matrix of dim x dim at each phase:
+
+     K_ca = the sum over GRAD of component a to a stress, and DIV of this stress to component c, of their symbols' product
+*/
+static void Implicit(MpmBloch *b, const MpmOp *op, const PetscReal a[])
+{
+  const MpmTable *k = MpmTableStiffness(b->scheme->table, op);
+  const PetscInt  n = k->dim, width = b->width;
+  Small           K, inverse[MPM_BLOCH_LANES];
+  PetscReal      *row[MPM_MAX_DIM];
+
+  Stiffness(b, k, K);
+  for (PetscInt lane = 0; lane < b->lanes; lane++) Invert(n, K, a[lane], inverse[lane]);
+  for (PetscInt c = 0; c < n; c++) row[c] = MpmBlochRow(b, op->dst + c);
+  for (PetscInt i = 0; i < width; i++) {
+    double complex sum[MPM_MAX_DIM] = {0};
+
+    for (PetscInt c = 0; c < n; c++)
+      for (PetscInt d = 0; d < n; d++) sum[c] += inverse[i % b->lanes][c][d] * CMPLX(row[d][i], row[d][width + i]);
+    for (PetscInt c = 0; c < n; c++) {
+      row[c][i]         = creal(sum[c]);
+      row[c][width + i] = cimag(sum[c]);
+    }
+  }
+}
+
 /* Applies operation o of the table in the present step. */
 static void Apply(MpmBloch *b, PetscInt o, const PetscReal beta[])
 {
@@ -154,7 +222,7 @@ static void Apply(MpmBloch *b, PetscInt o, const PetscReal beta[])
 
   if (traits.dst == MPM_NOWHERE) return;
   if (op->kind == MPM_IMPLICIT) {
-    if (op->axis == 0) MpmBlochImplicit(b, op, a);
+    if (op->axis == 0) Implicit(b, op, a);
     return;
   }
   if (op->kind == MPM_SCALE || (op->kind == MPM_ADD && op->dst == op->src)) {

@@ -4,10 +4,10 @@
 #include "symbol/ties.h"
 #include <mpmstab/table.h>
 
-typedef struct MpmBlochNodal_  MpmBlochNodal;  /* symbol/bloch_nodal.h */
-typedef struct MpmBlochGained_ MpmBlochGained; /* symbol/bloch_gained.h */
+typedef struct MpmBlochNodal_  MpmBlochNodal;  /* symbol/bloch_growth.h */
+typedef struct MpmBlochGained_ MpmBlochGained; /* symbol/bloch_growth.h */
 
-/* ---- what particles take from nodes (bloch_taken.c) ---- */
+/* ---- what particles take from nodes (bloch_create.c) ---- */
 
 /*
    What particles take from nodes at the end of a step. A particle register that is set to 0 and then only gets values from
@@ -85,7 +85,7 @@ PetscErrorCode MpmTakenFind(const MpmTable *table, PetscBool gains, MpmTaken **t
    used         - used[kind]: the table needs this map
    ties         - the weights along each direction
    particle, nodes - the registers
-   turns        - room for the matrices of a turn of all lanes, where there is more than one
+   turns        - room for the matrices of a turn of all lanes
    beta, known  - the present phase, and the number of steps for which tie is set
    wave         - the phase factors of the nodes along each direction, at the present phase (MpmTiesWave)
    tie          - tie[axis][(kind x period + step) x ppc + j]: the symbol of a map along an axis at the particles that
@@ -203,8 +203,6 @@ static inline PetscReal *MpmBlochRow(const MpmBloch *b, PetscInt field)
    MpmBlochRunStep - a step of a period. taken: what nodes give to the registers that are taken is added to numbers, rows of
    2 x width; NULL: it is not noted.
 
-   MpmBlochImplicit - applies IMPLICIT, with a number for each lane (bloch_implicit.c)
-
    MpmBlochPhaseBeyond - the phase factor of what goes from particle j to the one whose place it has taken, for the cells in
    between.
 
@@ -214,5 +212,4 @@ PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[],
                              PetscInt columns);
 void           MpmBlochSetStep(MpmBloch *b, PetscInt step);
 void MpmBlochRunStep(MpmBloch *b, PetscInt step, const PetscReal beta[], const MpmTaken *taken, PetscReal numbers[]);
-void MpmBlochImplicit(MpmBloch *b, const MpmOp *op, const PetscReal a[]);
 double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j);
