@@ -1,6 +1,6 @@
 /*
-   The plan of the nodal operator: a table run on symbols. A particle register is c q plus terms, a node register a slot
-   of the plan.
+   The plan of the nodal operator: the program of a table, cut at its node registers. A particle register is c q plus terms,
+   a node register a slot of the plan.
 */
 #include "linalg/lapack_names.h"
 #include "operator/nodal.h"
@@ -190,30 +190,32 @@ static PetscErrorCode AddTerm(Builder *b, PetscInt particle, Term term)
 }
 
 /* A scratch register takes a multiple of another register: of its root, and of its terms. */
-static PetscErrorCode AddRegister(Builder *b, const MpmOp *op)
+static PetscErrorCode AddRegister(Builder *b, const MpmLine *line)
 {
   PetscFunctionBegin;
-  if (op->dst < b->table->nstate || op->coefficient || b->root[op->dst] != op->dst)
+  if (line->dst < b->table->nstate || line->power || b->root[line->dst] != line->dst)
     b->why_not = "particles take what other fields of theirs hold";
-  b->c[op->dst] += op->factor * b->c[op->src];
-  b->root[op->dst] = b->root[op->src];
-  for (PetscInt i = 0; i < b->nterms[op->src]; i++) {
-    Term term = b->terms[op->src][i];
+  b->c[line->dst] += line->factor * b->c[line->src];
+  b->root[line->dst] = b->root[line->src];
+  for (PetscInt i = 0; i < b->nterms[line->src]; i++) {
+    Term term = b->terms[line->src][i];
 
-    term.op.factor *= op->factor;
-    term.op.dst = op->dst;
-    PetscCall(AddTerm(b, op->dst, term));
+    term.op.factor *= line->factor;
+    term.op.dst = line->dst;
+    PetscCall(AddTerm(b, line->dst, term));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Scale(Builder *b, const MpmOp *op)
+static void Scale(Builder *b, const MpmLine *line)
 {
-  if (op->coefficient && !b->why_not) b->why_not = "particles' values are multiplied by the Courant number";
-  b->c[op->dst] *= op->factor;
-  if (op->factor == 0) b->nterms[op->dst] = 0;
-  if (op->factor == 0 && op->dst >= b->table->nstate) b->root[op->dst] = op->dst;
-  for (PetscInt i = 0; i < b->nterms[op->dst]; i++) b->terms[op->dst][i].op.factor *= op->factor;
+  const PetscInt r = line->dst;
+
+  if (line->power && !b->why_not) b->why_not = "particles' values are multiplied by the Courant number";
+  b->c[r] *= line->factor;
+  if (line->factor == 0) b->nterms[r] = 0;
+  if (line->factor == 0 && r >= b->table->nstate) b->root[r] = r;
+  for (PetscInt i = 0; i < b->nterms[r]; i++) b->terms[r][i].op.factor *= line->factor;
 }
 
 /* The register moves to a new slot, with its values where keep. */
@@ -227,43 +229,40 @@ static PetscErrorCode Renew(Builder *b, PetscInt reg, PetscBool keep)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* An operation between nodes. At a wall the old value is taken off before the new one is put in its place. */
-static PetscErrorCode BetweenNodes(Builder *b, const MpmOp *op)
+static PetscErrorCode BetweenNodes(Builder *b, const MpmLine *line)
 {
-  const PetscInt  src = b->slot[op->src], old = b->slot[op->dst];
-  const PetscBool wall = op->kind == MPM_WALL ? PETSC_TRUE : PETSC_FALSE;
-  PetscInt        map  = MPM_NONE;
+  const PetscInt dst = line->dst - b->table->nparticles, src = b->slot[line->src - b->table->nparticles],
+                 old = b->slot[dst];
+  PetscInt map       = MPM_NONE;
 
   PetscFunctionBegin;
-  if (op->kind != MPM_COPY) PetscCall(MapOf(b, op, NULL, &map));
-  if (wall || !op->accumulates || b->captured[old])
-    PetscCall(Renew(b, op->dst, wall || op->accumulates ? PETSC_TRUE : PETSC_FALSE));
-  if (wall) PetscCall(AddLine(b, (MpmLine){.dst = b->slot[op->dst], .src = old, .key = map, .factor = -1}));
-  if (op->factor != 0)
+  if (line->op) PetscCall(MapOf(b, line->op, NULL, &map));
+  if (!line->accumulates || b->captured[old] || src == old) PetscCall(Renew(b, dst, line->accumulates));
+  if (line->factor != 0)
     PetscCall(AddLine(
-        b, (MpmLine){.dst = b->slot[op->dst], .src = src, .key = map, .power = op->coefficient, .factor = op->factor}));
+        b, (MpmLine){.dst = b->slot[dst], .src = src, .key = map, .power = line->power, .factor = line->factor}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Apply(Builder *b, const MpmOp *op)
+static PetscErrorCode Apply(Builder *b, const MpmLine *line)
 {
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const MpmOp    *op = line->op;
+  const PetscBool to = line->dst >= b->table->nparticles, from = line->src >= b->table->nparticles;
 
   PetscFunctionBegin;
-  if (traits.dst == MPM_NOWHERE) PetscFunctionReturn(PETSC_SUCCESS);
-  if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES) {
+  if (to && !from) {
     PetscCall(ToNodes(b, op));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(EndSums(b));
-  if (traits.dst == MPM_ON_NODES)
-    PetscCall(BetweenNodes(b, op));
-  else if (traits.src == MPM_ON_NODES)
+  if (to)
+    PetscCall(BetweenNodes(b, line));
+  else if (from)
     PetscCall(AddTerm(b, op->dst, (Term){.op = *op, .at = (PetscInt)(op - b->table->ops), .slot = b->slot[op->src]}));
-  else if (op->kind == MPM_ADD)
-    PetscCall(AddRegister(b, op));
+  else if (line->accumulates)
+    PetscCall(AddRegister(b, line));
   else
-    Scale(b, op);
+    Scale(b, line);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -367,8 +366,10 @@ static void Keep(const MpmTable *table, MpmNodalPlan *plan)
 
 static PetscErrorCode Build(Builder *b)
 {
-  const MpmRegisters slots = {.comm = PETSC_COMM_SELF};
-  MpmNodalPlan      *plan  = b->plan;
+  const MpmRegisters slots     = {.comm = PETSC_COMM_SELF},
+                     registers = {.comm = PETSC_COMM_SELF, .n = {b->table->nparticles, b->table->nnodes}};
+  MpmNodalPlan   *plan         = b->plan;
+  MpmStepProgram *step;
 
   PetscFunctionBegin;
   PetscCall(MpmStepProgramCreate(&slots, 1, &plan->program));
@@ -382,7 +383,10 @@ static PetscErrorCode Build(Builder *b)
     b->root[r] = r;
   }
   for (PetscInt n = 0; n < b->table->nnodes; n++) PetscCall(NewSlot(b, &b->slot[n]));
-  for (PetscInt o = 0; o < b->table->nops && !b->why_not; o++) PetscCall(Apply(b, &b->table->ops[o]));
+  PetscCall(MpmStepProgramCreate(&registers, 1, &step));
+  PetscCall(MpmStepProgramAppendTable(step, b->table, NULL));
+  for (PetscInt l = 0; l < step->n && !b->why_not; l++) PetscCall(Apply(b, &step->line[l]));
+  PetscCall(MpmStepProgramDestroy(&step));
   PetscCall(EndSums(b));
   PetscCall(Sent(b));
   PetscCall(Next(b));

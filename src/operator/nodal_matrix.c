@@ -19,10 +19,6 @@ static PetscErrorCode MapOf(Nodal *x, const MpmNodalMap *map, Mat *matrix)
   Mat P, W;
 
   PetscFunctionBegin;
-  if (map->to_nodes.kind == MPM_WALL) {
-    PetscCall(MpmWallSelection(&x->sizes, map->to_nodes.axis, map->to_nodes.side, matrix));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   PetscCall(MpmMapsGet(&x->maps, &map->to_nodes, &P));
   if (map->product) {
     PetscCall(MpmMapsGet(&x->maps, &map->to_particles, &W));

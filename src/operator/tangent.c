@@ -666,21 +666,21 @@ static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
   MpmLine           line[MPM_MAX_DIM];
-  PetscInt          n;
+  const PetscInt    n = MpmLinesOfOp(op, b->table->dim, b->slot.node, line);
 
   PetscFunctionBegin;
-  if (op->kind == MPM_COLLIDE) {
-    PetscCall(Collide(b, op));
+  if (n > 0 && (!line[0].op || op->kind == MPM_WALL)) {
+    for (PetscInt i = 0; i < n; i++) {
+      PetscCall(MpmLineBind(b->program, &b->maps, &line[i]));
+      PetscCall(AppendLinear(b, line[i]));
+      PetscCall(MpmLineRelease(&line[i]));
+    }
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmLinesOfOp(b->sizes, op, b->slot.node, line, &n));
-  for (PetscInt i = 0; i < n; i++) {
-    PetscCall(AppendLinear(b, line[i]));
-    PetscCall(MatDestroy(&line[i].map));
-    PetscCall(VecDestroy(&line[i].left));
-  }
-  if (n != MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
   switch (op->kind) {
+  case MPM_COLLIDE:
+    PetscCall(Collide(b, op));
+    break;
   case MPM_STRESS:
     PetscCall(Stress(b, op));
     break;

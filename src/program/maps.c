@@ -433,7 +433,8 @@ static PetscErrorCode Stencil(const MpmSlab *r, const MpmOp *op, const MpmParity
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmWallSelection(const MpmSlab *slab, PetscInt axis, PetscInt side, Mat *map)
+/* The nodes of a wall: 1 for these, and no other entries. */
+static PetscErrorCode Wall(const MpmSlab *slab, PetscInt axis, PetscInt side, Mat *map)
 {
   const PetscInt wall = side ? slab->layout->grid[axis].nodes - 1 : 0;
   PetscInt       stride;
@@ -453,10 +454,13 @@ PetscErrorCode MpmMapsGet(MpmMaps *maps, const MpmOp *op, Mat *map)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
   const MpmParity  *parity = maps->slab->scheme->table->parity[traits.dst == MPM_ON_NODES ? op->dst : op->src];
-  Mat              *known  = &maps->map[op->kind][op->axis][ParityClass(maps->slab->layout, parity)];
+  Mat              *known =
+      &maps->map[op->kind][op->axis][op->kind == MPM_WALL ? op->side : ParityClass(maps->slab->layout, parity)];
 
   PetscFunctionBegin;
-  if (!*known && op->kind == MPM_SOLVE)
+  if (!*known && op->kind == MPM_WALL)
+    PetscCall(Wall(maps->slab, op->axis, op->side, known));
+  else if (!*known && op->kind == MPM_SOLVE)
     PetscCall(Solve(maps, parity, known));
   else if (!*known && traits.dst == traits.src)
     PetscCall(Stencil(maps->slab, op, parity, known));
@@ -486,7 +490,7 @@ PetscErrorCode MpmMapsCount(const MpmMaps *maps, PetscReal *numbers)
     const Mat map = (&maps->map[0][0][0])[m];
     MatInfo   info;
 
-    if (!map) continue;
+    if (!map || m / (MPM_AXES * MPM_PARITIES) == MPM_WALL) continue;
     PetscCall(MatGetInfo(map, MAT_GLOBAL_SUM, &info));
     *numbers += info.nz_used;
   }

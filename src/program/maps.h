@@ -70,10 +70,9 @@ typedef struct {
 /*
    MpmMapsGet - the matrix of an operation that is a map.
 
-   From nodes to particles it is particles x nodes. From particles to nodes it is nodes x particles, divided by the
-   nodal
-   masses; rows of nodes without mass are 0. A stencil is nodes x nodes, and SOLVE is (W^T m W)^+ M: W is G2P without
-   the wall nodes that impose 0, m are the masses of the particles and M those of the nodes.
+   From nodes to particles it is particles x nodes. From particles to nodes it is nodes x particles, divided by the nodal
+   masses; rows of nodes without mass are 0. A stencil is nodes x nodes, and so is WALL, 1 for the nodes of the wall. SOLVE is
+   (W^T m W)^+ M: W is G2P without the wall nodes that impose 0, m are the masses of the particles and M those of the nodes.
 
    Collective. SOLVE takes all eigenvalues of W^T m W, and refuses grids too large for that.
 */
@@ -92,10 +91,7 @@ PetscErrorCode MpmMapsWeights(MpmMaps *maps, MpmOpKind kind, PetscInt axis, Pets
 /* Collective. A copy of the matrix of P2G of a field that is even at walls, which the caller destroys. */
 PetscErrorCode MpmMapsEven(const MpmSlab *slab, PetscInt64 step, Mat *map);
 
-/* Collective. A new matrix nodes x nodes that is 1 for the nodes on one wall, and has no other entries. */
-PetscErrorCode MpmWallSelection(const MpmSlab *slab, PetscInt axis, PetscInt side, Mat *map);
-
-/* Collective. The numbers in the maps that were made, on all ranks. */
+/* Collective. The numbers in the maps that were made, but for walls, on all ranks. */
 PetscErrorCode MpmMapsCount(const MpmMaps *maps, PetscReal *numbers);
 PetscErrorCode MpmMapsDestroy(MpmMaps *maps);
 

@@ -20,12 +20,7 @@ PetscErrorCode MpmStepProgramDestroy(MpmStepProgram **program)
   PetscFunctionBegin;
   *program = NULL;
   if (!p || --p->users) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt l = 0; l < p->n; l++) {
-    PetscCall(MatDestroy(&p->line[l].map));
-    PetscCall(VecDestroy(&p->line[l].left));
-    PetscCall(VecDestroy(&p->line[l].right));
-    PetscCall(KSPDestroy(&p->line[l].solve));
-  }
+  for (PetscInt l = 0; l < p->n; l++) PetscCall(MpmLineRelease(&p->line[l]));
   PetscCall(PetscFree(p->line));
   PetscCall(PetscFree(p));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -56,11 +51,11 @@ PetscReal MpmLineValue(const MpmLine *line, PetscReal courant)
 PetscErrorCode MpmLineRun(const MpmLine *line, const MpmAlgebra *algebra, void *registers, PetscBool back)
 {
   PetscFunctionBegin;
-  if (line->solve)
+  if (line->nsolve)
     PetscCall(algebra->solve(registers, line, back));
   else if (line->accumulates)
     PetscCall(algebra->add(registers, line, back));
-  else if (!line->map && line->dst == line->src)
+  else if (!line->map && !line->op && line->dst == line->src)
     PetscCall(algebra->scale(registers, line));
   else {
     if (!back) PetscCall(algebra->zero(registers, line->dst));

@@ -2,7 +2,7 @@
    Program: a step, or several, as a list of lines on registers, and the one interpreter that walks them. What a
    register
    is, an algebra says: a vector (program.c), a sparse matrix whose columns are the numbers that the program takes
-   (matrices.c), or a polynomial of small matrices (operator/nodal_run.c).
+   (matrices.c), or a polynomial of small matrices (operator/nodal.c).
 
    Registers are numbered: first those of particles, then those of nodes. A line with a map M is
 
@@ -40,21 +40,23 @@ static inline PetscInt MpmRegisterPlace(const MpmRegisters *r, PetscInt reg)
 /*S
    MpmLine - a line of a program.
 
-   map         - NULL: the identity
-   key         - in a program without matrices, the number of the line's map, or MPM_NONE: the identity
-   solve       - NULL, or register dst and the nsolve - 1 after it, node by node, become the solution of a system with these as its
+   op          - the key of the line's map: the operation of a table that it comes from. NULL: the identity
+   key         - in a plan (operator/nodal.h) the number of the line's map, or MPM_NONE: the identity
+   map         - the matrix of the map, of a line that is bound to particles at their places. NULL: the identity
+   nsolve, solve - 0, or register dst and the nsolve - 1 after it, node by node, become the solution of a system with these as its
                  right side. The line has no map then.
    transposed  - the line's map is the transpose of map
    left, right - NULL: ones
 S*/
 typedef struct {
-  PetscInt  dst, src, power, key;
-  PetscReal factor;
-  PetscBool accumulates, transposed;
-  Mat       map;
-  Vec       left, right;
-  KSP       solve;
-  PetscInt  nsolve;
+  PetscInt     dst, src, power, key;
+  PetscReal    factor;
+  PetscBool    accumulates, transposed;
+  const MpmOp *op;
+  Mat          map;
+  Vec          left, right;
+  KSP          solve;
+  PetscInt     nsolve;
 } MpmLine;
 
 /*S
@@ -110,9 +112,12 @@ PetscErrorCode MpmStepProgramBytes(const MpmStepProgram *program, PetscReal *byt
    MpmRegistersOf - the registers of a slab's table, which takes and gives its state
    MpmStepProgramAppendStep - appends the operations of a table, with the particles where maps has them. again: a step
              came before, whose scratch registers are set to 0
-   MpmLinesOfOp - the lines of an operation without a map: WALL, COLLIDE of linear colliders, ADD, SCALE, COPY. nodes is the first register of nodes.
-             n: how many, MPM_NONE for an operation with a map. The caller destroys map and
-             left of these lines.
+   MpmStepProgramAppendTable - appends the operations of a table. maps: NULL for lines with keys alone, for an algebra that
+             knows what a map is by its operation
+   MpmLinesOfOp - the lines of an operation, with keys, in a table of dim directions whose first register of nodes is nodes;
+             returns how many there are. Only that is not collective.
+   MpmLineBind - sets the map of a line with a key, or left of COLLIDE of linear colliders, or the solver of IMPLICIT
+   MpmLineRelease - destroys them
    MpmCollision - what COLLIDE adds at the nodes of a slab, whose velocity is u, NULL: 0; and its derivative by each
              component of u, as vectors that the caller destroys
    MpmFactorised - a solver that has factorised a matrix by LU, for a line that solves
@@ -122,8 +127,10 @@ PetscErrorCode MpmStepProgramBytes(const MpmStepProgram *program, PetscReal *byt
 PetscErrorCode MpmFactorised(Mat matrix, KSP *solve);
 PetscErrorCode MpmRegistersOf(const MpmSlab *slab, MpmRegisters *registers);
 PetscErrorCode MpmStepProgramAppendStep(MpmStepProgram *program, MpmMaps *maps, PetscBool again);
-PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes, MpmLine line[MPM_MAX_DIM],
-                            PetscInt *n);
+PetscErrorCode MpmStepProgramAppendTable(MpmStepProgram *program, const MpmTable *table, MpmMaps *maps);
+PetscInt       MpmLinesOfOp(const MpmOp *op, PetscInt dim, PetscInt nodes, MpmLine line[MPM_MAX_DIM]);
+PetscErrorCode MpmLineBind(const MpmStepProgram *program, MpmMaps *maps, MpmLine *line);
+PetscErrorCode MpmLineRelease(MpmLine *line);
 PetscErrorCode MpmCollision(const MpmSlab *slab, const MpmOp *op, PetscReal time, const Vec u[], Vec *adds,
                             Vec slope[MPM_MAX_DIM]);
 

@@ -1,6 +1,7 @@
 /* The amplification matrix of one phase: a table applied to one Bloch mode. MpmSymbolCreate calls it for each phase. */
 #pragma once
 #include "linalg/small_eigen.h"
+#include "program/program.h"
 #include "symbol/ties.h"
 #include <mpmstab/table.h>
 
@@ -94,7 +95,7 @@ PetscErrorCode MpmTakenFind(const MpmTable *table, PetscBool gains, MpmTaken **t
    mass         - of a node, at the present step
    nodal        - the nodal operator; NULL where it does not apply
    gained       - what particles gain from nodes; NULL where it does not apply, or the turn's matrix is no larger
-   traits, values - of the table's operations; values are the factors in each lane
+   program, values - the table's lines, with keys, and their factors in each lane
 S*/
 typedef struct {
   const MpmLayout *layout;
@@ -109,7 +110,7 @@ typedef struct {
   double complex  *turns;
   MpmBlochNodal   *nodal;
   MpmBlochGained  *gained;
-  MpmOpTraits     *traits;
+  MpmStepProgram  *program;
   PetscReal       *values;
 } MpmBloch;
 
@@ -153,7 +154,7 @@ PetscErrorCode MpmBlochTurns(MpmBloch *bloch, PetscInt n, const PetscReal couran
 */
 void           MpmBlochSetPhase(MpmBloch *bloch, const PetscReal beta[]);
 double complex MpmBlochTie(const MpmBloch *bloch, const MpmOp *op, PetscInt j, const PetscBool along[]);
-double complex MpmBlochOfNodes(const MpmBloch *bloch, const MpmOp *op, const PetscReal beta[]);
+double complex MpmBlochOfNodes(const MpmBloch *bloch, const MpmOp *op);
 
 /*
    MpmBlochStep - applies one step of the period to a state of a cell, in place: size numbers, with particle j's numbers
@@ -211,5 +212,5 @@ static inline PetscReal *MpmBlochRow(const MpmBloch *b, PetscInt field)
 PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
                              PetscInt columns);
 void           MpmBlochSetStep(MpmBloch *b, PetscInt step);
-void MpmBlochRunStep(MpmBloch *b, PetscInt step, const PetscReal beta[], const MpmTaken *taken, PetscReal numbers[]);
+PetscErrorCode MpmBlochRunStep(MpmBloch *b, PetscInt step, const MpmTaken *taken, PetscReal numbers[]);
 double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j);

@@ -1,6 +1,5 @@
 /* What a Bloch mode is made with: its registers, the weights of its maps, and where particles stand after a turn. */
 #include "symbol/bloch_growth.h"
-#include "symbol/bloch.h"
 #include <math.h>
 
 #define LANES_UP_TO 64 /* columns of a Courant number; wider rows fill the blocks well enough */
@@ -166,8 +165,9 @@ static PetscErrorCode FindTaken(MpmBloch *b)
 
 PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction drift[], MpmBloch *b)
 {
-  const MpmTable *table = scheme->table;
-  MpmStep         step  = {.courant = 0};
+  const MpmTable    *table     = scheme->table;
+  const MpmRegisters registers = {.comm = PETSC_COMM_SELF, .n = {table->nparticles, table->nnodes}};
+  MpmStep            step      = {.courant = 0};
 
   PetscFunctionBegin;
   PetscCall(MpmTableRequireLinear(table));
@@ -181,8 +181,9 @@ PetscErrorCode MpmBlochCreate(const MpmLayout *layout, const MpmScheme *scheme, 
   PetscCall(PetscMalloc3(2 * table->nparticles * b->ppc * MpmBlochFullWidth(b->size * b->most), &b->particle,
                          2 * table->nnodes * MpmBlochFullWidth(b->size * b->most), &b->nodes,
                          b->most * b->turn_size * b->turn_size, &b->turns));
-  PetscCall(PetscMalloc2(table->nops, &b->traits, table->nops * MPM_BLOCH_LANES, &b->values));
-  for (PetscInt o = 0; o < table->nops; o++) b->traits[o] = MpmOpTraitsOf(table->ops[o].kind);
+  PetscCall(MpmStepProgramCreate(&registers, 0, &b->program));
+  PetscCall(MpmStepProgramAppendTable(b->program, table, NULL));
+  PetscCall(PetscMalloc1(b->program->n * MPM_BLOCH_LANES, &b->values));
   FindUsed(scheme->table, b->used);
   for (PetscInt i = 0; i < table->nstiff; i++) FindUsed(table->stiff[i], b->used);
   for (PetscInt a = 0; a < layout->dim; a++) {
@@ -207,6 +208,7 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *b)
   PetscCall(PetscFree3(b->particle, b->nodes, b->turns));
   PetscCall(PetscFree2(b->place, b->beyond));
   PetscCall(PetscFree(b->taken));
-  PetscCall(PetscFree2(b->traits, b->values));
+  PetscCall(PetscFree(b->values));
+  PetscCall(MpmStepProgramDestroy(&b->program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

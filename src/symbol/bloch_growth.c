@@ -106,7 +106,7 @@ static PetscErrorCode Symbol(void *context, const MpmNodalMap *map, double compl
   const MpmOp    *P = &map->to_nodes, *W = &map->to_particles;
 
   PetscFunctionBegin;
-  if (!map->product) *symbol = MpmBlochOfNodes(b, P, b->beta);
+  if (!map->product) *symbol = MpmBlochOfNodes(b, P);
   for (PetscInt j = 0; j < b->ppc && map->product; j++)
     *symbol += conj(MpmBlochTie(b, P, j, NULL)) * MpmBlochTie(b, W, j, NULL) / b->mass;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -315,20 +315,21 @@ static void Weigh(MpmBlochGained *g, const MpmBloch *b, PetscInt step)
       weight[i] = i / g->gains->numbers == step;
 }
 
-/* The steps of a turn. Returns false where what nodes give might leave the range of doubles. */
-static PetscBool March(MpmBlochGained *g, MpmBloch *b, const PetscReal beta[])
+/* The steps of a turn. ok is false where what nodes give might leave the range of doubles. */
+static PetscErrorCode March(MpmBlochGained *g, MpmBloch *b, PetscBool *ok)
 {
   const PetscInt each = g->gains->numbers * 2 * b->width;
-  PetscBool      ok   = PETSC_TRUE;
 
+  PetscFunctionBegin;
   for (PetscInt i = 0; i < b->turn * each; i++) g->given[i] = 0;
   for (PetscInt step = 0; step < b->turn; step++) {
-    MpmBlochRunStep(b, step, beta, g->gains, g->given + step * each);
+    PetscCall(MpmBlochRunStep(b, step, g->gains, g->given + step * each));
     Weigh(g, b, step);
   }
+  *ok = PETSC_TRUE;
   for (PetscInt i = 0; i < b->turn * each; i++)
-    if (!(fabs(g->given[i]) < LARGEST)) ok = PETSC_FALSE;
-  return ok;
+    if (!(fabs(g->given[i]) < LARGEST)) *ok = PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* What is there and what is given goes to the places that particles have taken. */
@@ -366,7 +367,7 @@ static PetscErrorCode GainedGrowth(MpmBlochGained *g, MpmBloch *b, PetscReal cou
     MpmBlochSetStep(b, step);
     for (PetscInt y = 0; y < g->gains->numbers; y++) AddColumns(g, b, courant, step, y);
   }
-  *ok = March(g, b, beta);
+  PetscCall(March(g, b, ok));
   if (!*ok) PetscFunctionReturn(PETSC_SUCCESS);
   SetMatrix(g, b);
   MpmSmallQr(g->order, g->matrix, g->value, ok);
