@@ -4,7 +4,6 @@
 */
 #include "linalg/lapack_names.h"
 #include "linalg/small_eigen.h"
-#include "linalg/small_qr.h"
 #include <petscblaslapack.h>
 #include <stdlib.h>
 #include <time.h>

@@ -8,10 +8,8 @@
 #include "march/march_private.h"
 #include "scene/layout.h"
 #include "linalg/dense.h"
-#include "linalg/eigen_reduced.h"
-#include "linalg/pencil.h"
+#include "linalg/eigen.h"
 #include "operator/nodal.h"
-#include "operator/nodal_matrix.h"
 #include <mpmstab/symbol.h>
 #include "base/progress.h"
 #include <math.h>

@@ -4,7 +4,7 @@
 */
 #include "analysis/critical_parts.h"
 #include "scene/layout.h"
-#include "symbol/phases.h"
+#include "symbol/source.h"
 #include <math.h>
 
 /*

@@ -1,8 +1,8 @@
 /* Layouts of many seeds: each is solved by one rank alone, and their verdicts are counted. */
 #include "base/farm.h"
 #include "linalg/dense.h"
-#include "linalg/eigen_reduced.h"
-#include "operator/nodal_matrix.h"
+#include "linalg/eigen.h"
+#include "operator/nodal.h"
 #include "analysis/ensemble.h"
 #include "analysis/nodal_choice.h"
 #include "march/march_private.h"

@@ -1,7 +1,7 @@
 /* The spectrum of a frozen tangent. */
 #include "analysis/frozen.h"
 #include "base/text.h"
-#include "operator/tangent_march.h"
+#include "operator/tangent.h"
 #include "scene/layout.h"
 
 /* The spectrum of a tangent, which it destroys. */

@@ -1,7 +1,7 @@
 /* The limit of a lone particle, from the weights of one direction at its worst place. */
 #include "analysis/lone.h"
 #include "analysis/search.h"
-#include "linalg/hermitian.h"
+#include "linalg/small_eigen.h"
 #include "scheme/maps.h"
 #include <math.h>
 

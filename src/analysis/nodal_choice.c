@@ -1,7 +1,6 @@
 /* Why the option nodal has no sense in a scene. */
 #include "analysis/nodal_choice.h"
 #include "operator/nodal.h"
-#include "operator/nodal_matrix.h"
 #include <mpmstab/errors.h>
 #include <mpmstab/symbol.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Pseudospectrum: sigma(z), the smallest singular value of z - A, and the bounds on norm(A^n) that follow from it. */
 #pragma once
-#include "linalg/resolvent.h"
+#include "linalg/singular.h"
 
 /*S
    MpmPseudospectrum - sigma at points x points of a square around the unit circle and the spectrum. sigma[i points + j]

@@ -12,7 +12,6 @@
 #include "base/farm.h"
 #include "base/textfile.h"
 #include "linalg/dense.h"
-#include "linalg/pencil.h"
 #include "operator/nodal.h"
 #include "program/maps.h"
 #include "scene/layout.h"

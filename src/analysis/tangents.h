@@ -1,6 +1,6 @@
 /* The tangent along a nonlinear run: how small perturbations of its state grow. */
 #pragma once
-#include "operator/tangent_march.h"
+#include "operator/tangent.h"
 #include "scene/request.h"
 #include <slepcbv.h>
 

@@ -1,6 +1,6 @@
 /* The least value of a function of phases: a grid over all of them, then steps that shrink from the best places. */
 #include "analysis/zoom.h"
-#include "symbol/phases.h"
+#include "symbol/source.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <stdint.h>

@@ -3,10 +3,8 @@
    eigenpairs, and sorts them.
 */
 #include "linalg/eigen.h"
-#include "linalg/eigen_dense.h"
-#include "linalg/nilpotent.h"
+#include "linalg/eigen_parts.h"
 #include "base/errors_private.h"
-#include "linalg/ritz.h"
 #include <math.h>
 
 #define DENSE_ORDER 4096
@@ -14,8 +12,11 @@
 #define LEFTMOST_TOLERANCE 1e-8
 #define BASIS 64 /* vectors of the Krylov space; fewer do not separate neighbours on the spectrum's edge */
 #define RESTARTS 200
+#define PENCIL_TOLERANCE 1e-11
+#define PENCIL_REAL 1e-9 /* an eigenvalue with a smaller share of imaginary part is real but for rounding */
 #define WORK 8e7         /* order x restarts: about five minutes */
 #define LEFT_BESIDE 1e-7 /* relative distance of the shift for a left vector from its eigenvalue */
+#define ACCEPTED 1e-7    /* largest residual of a listed pair */
 #define LEFT_FOUND 1e-6  /* largest distance, over norm(A), between the eigenvalues of A and of A transposed */
 
 MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol)
@@ -70,27 +71,16 @@ static PetscErrorCode CreateSolver(Mat T, const char prefix[], MpmEigenMethod me
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The smallest matrix that every rank has rows of. */
-static PetscErrorCode CreateIdentity(Mat *identity)
-{
-  PetscInt first, end;
-
-  PetscFunctionBegin;
-  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, 2, 2, PETSC_DETERMINE, PETSC_DETERMINE, 1, NULL, 0, NULL, identity));
-  PetscCall(MatGetOwnershipRange(*identity, &first, &end));
-  for (PetscInt i = first; i < end; i++) PetscCall(MatSetValue(*identity, i, i, 1, INSERT_VALUES));
-  PetscCall(MatAssemblyBegin(*identity, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(*identity, MAT_FINAL_ASSEMBLY));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmEigenTryOptions(MpmEigenMethod method)
 {
   Mat identity;
   EPS eps;
 
   PetscFunctionBegin;
-  PetscCall(CreateIdentity(&identity));
+  PetscCall(MatCreateAIJ(PETSC_COMM_WORLD, 2, 2, PETSC_DETERMINE, PETSC_DETERMINE, 1, NULL, 0, NULL, &identity));
+  PetscCall(MatAssemblyBegin(identity, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(identity, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatShift(identity, 1)); /* the smallest matrix that every rank has rows of */
   PetscCall(CreateSolver(identity, NULL, method, &eps));
   PetscCall(EPSDestroy(&eps));
   PetscCall(MatDestroy(&identity));
@@ -186,7 +176,8 @@ static PetscErrorCode Describe(MpmEigen *e, MpmEigenMethod method, const PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmEigenResidual(const MpmEigen *e, PetscReal re, PetscReal im, Vec x[2], Vec r, PetscReal *residual)
+/* The residual of x = x[0] + i x[1] as MpmEigen has it. r is work space. */
+static PetscErrorCode Residual(const MpmEigen *e, PetscReal re, PetscReal im, Vec x[2], Vec r, PetscReal *residual)
 {
   PetscReal norm[2], rest[2];
 
@@ -231,7 +222,7 @@ PetscErrorCode MpmEigenVector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmEigenSort(MpmEigen *e)
+static PetscErrorCode Sort(MpmEigen *e)
 {
   PetscReal *key, *old;
   PetscInt  *order;
@@ -259,29 +250,48 @@ PetscErrorCode MpmEigenSort(MpmEigen *e)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmEigenListBegin(MpmEigen *e, PetscInt room)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc4(room, &e->re, room, &e->im, room, &e->residual, room, &e->place));
+  PetscCall(MatCreateVecs(e->A, &e->work[0], &e->work[1]));
+  PetscCall(VecDuplicate(e->work[0], &e->work[2]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenTry(MpmEigen *e, PetscInt place, PetscReal re, PetscReal im, PetscReal rest, PetscBool *listed)
+{
+  PetscFunctionBegin;
+  e->place[e->n] = place;
+  if (isnan(rest)) {
+    PetscCall(MpmEigenVector(e, e->n, e->work[0], e->work[1]));
+    PetscCall(Residual(e, re, im, e->work, e->work[2], &rest));
+  }
+  *listed = rest <= ACCEPTED ? PETSC_TRUE : PETSC_FALSE;
+  if (!*listed) PetscFunctionReturn(PETSC_SUCCESS);
+  e->re[e->n]         = re;
+  e->im[e->n]         = im;
+  e->residual[e->n++] = rest;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmEigenListEnd(MpmEigen *e)
+{
+  PetscFunctionBegin;
+  for (int i = 0; i < 3; i++) PetscCall(VecDestroy(&e->work[i]));
+  PetscCall(Sort(e));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Keeps those candidates that are eigenpairs. */
 static PetscErrorCode List(MpmEigen *e, PetscInt candidates, const PetscReal re[], const PetscReal im[])
 {
-  Vec x[2], r;
+  PetscBool listed;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc4(candidates, &e->re, candidates, &e->im, candidates, &e->residual, candidates, &e->place));
-  PetscCall(MatCreateVecs(e->A, &x[0], &x[1]));
-  PetscCall(VecDuplicate(x[0], &r));
-  for (PetscInt i = 0; i < candidates; i++) {
-    PetscReal *residual = &e->residual[e->n];
-
-    e->place[e->n] = i;
-    PetscCall(MpmEigenVector(e, e->n, x[0], x[1]));
-    PetscCall(MpmEigenResidual(e, re[i], im[i], x, r, residual));
-    if (!(*residual <= MPM_EIGEN_ACCEPTED)) continue;
-    e->re[e->n]   = re[i];
-    e->im[e->n++] = im[i];
-  }
-  PetscCall(VecDestroy(&x[0]));
-  PetscCall(VecDestroy(&x[1]));
-  PetscCall(VecDestroy(&r));
-  PetscCall(MpmEigenSort(e));
+  PetscCall(MpmEigenListBegin(e, candidates));
+  for (PetscInt i = 0; i < candidates; i++) PetscCall(MpmEigenTry(e, i, re[i], im[i], NAN, &listed));
+  PetscCall(MpmEigenListEnd(e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -543,5 +553,40 @@ PetscErrorCode MpmEigenCondition(const MpmEigen *e, PetscInt j, PetscReal *condi
     PetscCall(VecDestroy(&x[part]));
     PetscCall(VecDestroy(&y[part]));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPencilLeastKrylov(Mat C0, Mat C1, PetscReal *x)
+{
+  EPS       eps;
+  ST        st;
+  KSP       ksp;
+  PC        pc;
+  PetscInt  order, found;
+  PetscReal re, im;
+
+  PetscFunctionBegin;
+  *x = NAN;
+  PetscCall(MatShift(C0, 1));
+  PetscCall(MatGetSize(C0, &order, NULL));
+  PetscCall(EPSCreate(PetscObjectComm((PetscObject)C0), &eps));
+  PetscCall(EPSSetOperators(eps, C1, C0));
+  PetscCall(EPSSetProblemType(eps, EPS_GNHEP));
+  PetscCall(EPSSetWhichEigenpairs(eps, EPS_SMALLEST_REAL));
+  PetscCall(EPSSetDimensions(eps, 1, PetscMin(BASIS, order), PETSC_DETERMINE));
+  PetscCall(EPSSetTolerances(eps, PENCIL_TOLERANCE, RESTARTS));
+  PetscCall(EPSGetST(eps, &st));
+  PetscCall(STGetKSP(st, &ksp));
+  PetscCall(KSPSetType(ksp, KSPGMRES));
+  PetscCall(KSPGetPC(ksp, &pc));
+  PetscCall(PCSetType(pc, PCNONE));
+  PetscCall(KSPSetTolerances(ksp, PENCIL_TOLERANCE / 100, PETSC_DEFAULT, PETSC_DEFAULT, RESTARTS));
+  PetscCall(EPSSolve(eps));
+  PetscCall(EPSGetConverged(eps, &found));
+  if (found) {
+    PetscCall(EPSGetEigenvalue(eps, 0, &re, &im));
+    *x = re >= 0 ? INFINITY : fabs(im) <= PENCIL_REAL * fabs(re) ? -1 / re : NAN;
+  }
+  PetscCall(EPSDestroy(&eps));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -47,6 +47,7 @@ struct MpmEigen {
   /* where the eigenvectors are kept */
   EPS        eps;
   BV         ritz;
+  Vec        work[3]; /* while they are listed */
   PetscInt   unit;
   PetscInt  *place;                                      /* of the listed pair in eps or dense, or of its Ritz vector */
   PetscReal *coefficients, *dense_re, *dense_im, *dense; /* dense: as MpmEigenDenseSolve sets it */
@@ -67,6 +68,17 @@ struct MpmEigen {
 */
 PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, const PetscReal target[2],
                              MpmEigen **eigen);
+
+/*
+   MpmEigenSolveReduced - MpmEigenSolve of a matrix that has a smaller one, which must outlive the result. Eigenvalues are sought
+   of the smaller one and listed, with their lifted vectors, as those of A. The numbers that A keeps are listed beside all
+   eigenvalues, beside those of largest abs where they belong to them, and once beside the leftmost; vectors for these are
+   random.
+
+   Collective.
+*/
+PetscErrorCode MpmEigenSolveReduced(Mat A, const MpmReduced *reduced, const char prefix[], MpmEigenMethod method,
+                                    const PetscReal target[2], MpmEigen **eigen);
 
 PetscErrorCode MpmEigenDestroy(MpmEigen **eigen);
 
@@ -105,16 +117,27 @@ PetscErrorCode MpmEigenCondition(const MpmEigen *eigen, PetscInt j, PetscReal *c
 
 /* ---- for the files that list eigenvalues ---- */
 
-#define MPM_EIGEN_ACCEPTED 1e-7 /* largest residual of a listed pair */
-
-/* Collective. The residual of x = x[0] + i x[1] as MpmEigen has it. r is work space. */
-PetscErrorCode MpmEigenResidual(const MpmEigen *e, PetscReal re, PetscReal im, Vec x[2], Vec r, PetscReal *residual);
-
 /*
-   Not collective. Sorts by -abs, then by the angle from the positive real axis; of a pair the upper half comes first. The
-   angle enters the key with a small weight, so that rounding of the abs does not decide the order.
+   MpmEigenListBegin - memory for up to so many pairs
+   MpmEigenTry - lists a pair if its vector, which place says, is an eigenvector. rest: its residual where that is known, or
+             NAN
+   MpmEigenListEnd - sorts by -abs, then by the angle from the positive real axis; of a pair the upper half comes first. The
+             angle enters the key with a small weight, so that rounding of the abs does not decide the order.
+
+   Collective.
 */
-PetscErrorCode MpmEigenSort(MpmEigen *e);
+PetscErrorCode MpmEigenListBegin(MpmEigen *e, PetscInt room);
+PetscErrorCode MpmEigenTry(MpmEigen *e, PetscInt place, PetscReal re, PetscReal im, PetscReal rest, PetscBool *listed);
+PetscErrorCode MpmEigenListEnd(MpmEigen *e);
 
 /* Collective. The infinity norm; that of a transposed shell is not known, and a lower bound of its own is. */
 PetscErrorCode MpmEigenNorm(Mat A, PetscReal *norm);
+
+/*
+   MpmPencilLeastKrylov - the number of MpmPencilLeast (linalg/dense.h) of sparse matrices, by a Krylov space. NaN: the solver
+   found no eigenvalue.
+
+   Collective. C_0 is overwritten by C_0 + 1, whose systems GMRES solves: C_0 is what a transfer keeps of nodal velocities, with
+   eigenvalues from 0 to 1.
+*/
+PetscErrorCode MpmPencilLeastKrylov(Mat C0, Mat C1, PetscReal *x);

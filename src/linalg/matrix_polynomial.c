@@ -5,16 +5,7 @@
 #include "linalg/small_eigen.h"
 #include <math.h>
 
-#define ZGESV MPM_LAPACK(zgesv, ZGESV)
-#define ZGEMM MPM_LAPACK(zgemm, ZGEMM)
 #define REAL 1e-7 /* an eigenvalue is real up to this part of its abs */
-
-extern void ZGESV(const PetscBLASInt *n, const PetscBLASInt *nrhs, double complex *a, const PetscBLASInt *lda,
-                  PetscBLASInt *ipiv, double complex *b, const PetscBLASInt *ldb, PetscBLASInt *info);
-extern void ZGEMM(const char *transa, const char *transb, const PetscBLASInt *m, const PetscBLASInt *n,
-                  const PetscBLASInt *k, const double complex *alpha, const double complex *a, const PetscBLASInt *lda,
-                  const double complex *b, const PetscBLASInt *ldb, const double complex *beta, double complex *c,
-                  const PetscBLASInt *ldc);
 
 /* ---- eigenvalues ---- */
 
@@ -155,7 +146,7 @@ static PetscErrorCode Solve(PetscInt n, double complex A[], PetscInt count, Pets
                   LAPACKgesv_(&order, &rhs, (PetscReal *)A, &order, pivot, (PetscReal *)b, &order, &info));
     FromReal(n * count, b);
   } else
-    ZGESV(&order, &rhs, A, &order, pivot, b, &order, &info);
+    MPM_ZGESV(&order, &rhs, A, &order, pivot, b, &order, &info);
   PetscCheck(info == 0, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK gesv failed: %d", (int)info);
   PetscCall(PetscFree(pivot));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -184,7 +175,7 @@ static PetscErrorCode Product(PetscInt n, PetscInt rows, PetscInt columns, Petsc
     FromReal(rows * columns, out);
     PetscCall(PetscFree(copy));
   } else
-    ZGEMM("T", "N", &m, &k, &order, &one, a, &order, b, &order, &zero, out, &m);
+    MPM_ZGEMM("T", "N", &m, &k, &order, &one, a, &order, b, &order, &zero, out, &m);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

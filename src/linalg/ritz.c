@@ -4,7 +4,7 @@
    invariant under A, since (A - a I)^2 x is a multiple of x. So Rayleigh-Ritz on this span gives eigenpairs of A.
 */
 #include "linalg/small_eigen.h"
-#include "linalg/ritz.h"
+#include "linalg/eigen_parts.h"
 #include <math.h>
 
 #define NEAR 1       /* eigenvalues sought near a target */

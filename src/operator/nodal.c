@@ -1,7 +1,8 @@
 /*
-   The plan of the nodal operator: a table run on symbols. A particle register is c q plus terms, a node register a slot
-   of the plan.
+   The plan of the nodal operator: the program of a table, cut at its node registers. A particle register is c q plus terms,
+   a node register a slot of the plan.
 */
+#include "linalg/lapack_names.h"
 #include "operator/nodal.h"
 #include <mpmstab/errors.h>
 
@@ -189,30 +190,32 @@ static PetscErrorCode AddTerm(Builder *b, PetscInt particle, Term term)
 }
 
 /* A scratch register takes a multiple of another register: of its root, and of its terms. */
-static PetscErrorCode AddRegister(Builder *b, const MpmOp *op)
+static PetscErrorCode AddRegister(Builder *b, const MpmLine *line)
 {
   PetscFunctionBegin;
-  if (op->dst < b->table->nstate || op->coefficient || b->root[op->dst] != op->dst)
+  if (line->dst < b->table->nstate || line->power || b->root[line->dst] != line->dst)
     b->why_not = "particles take what other fields of theirs hold";
-  b->c[op->dst] += op->factor * b->c[op->src];
-  b->root[op->dst] = b->root[op->src];
-  for (PetscInt i = 0; i < b->nterms[op->src]; i++) {
-    Term term = b->terms[op->src][i];
+  b->c[line->dst] += line->factor * b->c[line->src];
+  b->root[line->dst] = b->root[line->src];
+  for (PetscInt i = 0; i < b->nterms[line->src]; i++) {
+    Term term = b->terms[line->src][i];
 
-    term.op.factor *= op->factor;
-    term.op.dst = op->dst;
-    PetscCall(AddTerm(b, op->dst, term));
+    term.op.factor *= line->factor;
+    term.op.dst = line->dst;
+    PetscCall(AddTerm(b, line->dst, term));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Scale(Builder *b, const MpmOp *op)
+static void Scale(Builder *b, const MpmLine *line)
 {
-  if (op->coefficient && !b->why_not) b->why_not = "particles' values are multiplied by the Courant number";
-  b->c[op->dst] *= op->factor;
-  if (op->factor == 0) b->nterms[op->dst] = 0;
-  if (op->factor == 0 && op->dst >= b->table->nstate) b->root[op->dst] = op->dst;
-  for (PetscInt i = 0; i < b->nterms[op->dst]; i++) b->terms[op->dst][i].op.factor *= op->factor;
+  const PetscInt r = line->dst;
+
+  if (line->power && !b->why_not) b->why_not = "particles' values are multiplied by the Courant number";
+  b->c[r] *= line->factor;
+  if (line->factor == 0) b->nterms[r] = 0;
+  if (line->factor == 0 && r >= b->table->nstate) b->root[r] = r;
+  for (PetscInt i = 0; i < b->nterms[r]; i++) b->terms[r][i].op.factor *= line->factor;
 }
 
 /* The register moves to a new slot, with its values where keep. */
@@ -226,43 +229,40 @@ static PetscErrorCode Renew(Builder *b, PetscInt reg, PetscBool keep)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* An operation between nodes. At a wall the old value is taken off before the new one is put in its place. */
-static PetscErrorCode BetweenNodes(Builder *b, const MpmOp *op)
+static PetscErrorCode BetweenNodes(Builder *b, const MpmLine *line)
 {
-  const PetscInt  src = b->slot[op->src], old = b->slot[op->dst];
-  const PetscBool wall = op->kind == MPM_WALL ? PETSC_TRUE : PETSC_FALSE;
-  PetscInt        map  = MPM_NONE;
+  const PetscInt dst = line->dst - b->table->nparticles, src = b->slot[line->src - b->table->nparticles],
+                 old = b->slot[dst];
+  PetscInt map       = MPM_NONE;
 
   PetscFunctionBegin;
-  if (op->kind != MPM_COPY) PetscCall(MapOf(b, op, NULL, &map));
-  if (wall || !op->accumulates || b->captured[old])
-    PetscCall(Renew(b, op->dst, wall || op->accumulates ? PETSC_TRUE : PETSC_FALSE));
-  if (wall) PetscCall(AddLine(b, (MpmLine){.dst = b->slot[op->dst], .src = old, .key = map, .factor = -1}));
-  if (op->factor != 0)
+  if (line->op) PetscCall(MapOf(b, line->op, NULL, &map));
+  if (!line->accumulates || b->captured[old] || src == old) PetscCall(Renew(b, dst, line->accumulates));
+  if (line->factor != 0)
     PetscCall(AddLine(
-        b, (MpmLine){.dst = b->slot[op->dst], .src = src, .key = map, .power = op->coefficient, .factor = op->factor}));
+        b, (MpmLine){.dst = b->slot[dst], .src = src, .key = map, .power = line->power, .factor = line->factor}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Apply(Builder *b, const MpmOp *op)
+static PetscErrorCode Apply(Builder *b, const MpmLine *line)
 {
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const MpmOp    *op = line->op;
+  const PetscBool to = line->dst >= b->table->nparticles, from = line->src >= b->table->nparticles;
 
   PetscFunctionBegin;
-  if (traits.dst == MPM_NOWHERE) PetscFunctionReturn(PETSC_SUCCESS);
-  if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES) {
+  if (to && !from) {
     PetscCall(ToNodes(b, op));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(EndSums(b));
-  if (traits.dst == MPM_ON_NODES)
-    PetscCall(BetweenNodes(b, op));
-  else if (traits.src == MPM_ON_NODES)
+  if (to)
+    PetscCall(BetweenNodes(b, line));
+  else if (from)
     PetscCall(AddTerm(b, op->dst, (Term){.op = *op, .at = (PetscInt)(op - b->table->ops), .slot = b->slot[op->src]}));
-  else if (op->kind == MPM_ADD)
-    PetscCall(AddRegister(b, op));
+  else if (line->accumulates)
+    PetscCall(AddRegister(b, line));
   else
-    Scale(b, op);
+    Scale(b, line);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -366,8 +366,10 @@ static void Keep(const MpmTable *table, MpmNodalPlan *plan)
 
 static PetscErrorCode Build(Builder *b)
 {
-  const MpmRegisters slots = {.comm = PETSC_COMM_SELF};
-  MpmNodalPlan      *plan  = b->plan;
+  const MpmRegisters slots     = {.comm = PETSC_COMM_SELF},
+                     registers = {.comm = PETSC_COMM_SELF, .n = {b->table->nparticles, b->table->nnodes}};
+  MpmNodalPlan   *plan         = b->plan;
+  MpmStepProgram *step;
 
   PetscFunctionBegin;
   PetscCall(MpmStepProgramCreate(&slots, 1, &plan->program));
@@ -381,7 +383,10 @@ static PetscErrorCode Build(Builder *b)
     b->root[r] = r;
   }
   for (PetscInt n = 0; n < b->table->nnodes; n++) PetscCall(NewSlot(b, &b->slot[n]));
-  for (PetscInt o = 0; o < b->table->nops && !b->why_not; o++) PetscCall(Apply(b, &b->table->ops[o]));
+  PetscCall(MpmStepProgramCreate(&registers, 1, &step));
+  PetscCall(MpmStepProgramAppendTable(step, b->table, NULL));
+  for (PetscInt l = 0; l < step->n && !b->why_not; l++) PetscCall(Apply(b, &step->line[l]));
+  PetscCall(MpmStepProgramDestroy(&step));
   PetscCall(EndSums(b));
   PetscCall(Sent(b));
   PetscCall(Next(b));
@@ -423,5 +428,129 @@ PetscErrorCode MpmNodalPlanDestroy(MpmNodalPlan **plan)
   PetscCall(PetscFree((*plan)->powers));
   PetscCall(PetscFree((*plan)->sent));
   PetscCall(PetscFree(*plan));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   ---- the algebra of plans on small dense matrices ----
+
+   A slot is, for each image and each power of the Courant number, a multiple of the identity plus a matrix. In most plans
+   every map meets a multiple of the identity, and no product of matrices is made.
+*/
+
+typedef struct {
+  PetscReal       multiple;
+  double complex *matrix; /* NULL: 0 */
+} Block;
+
+typedef struct {
+  const MpmNodalPlan *plan;
+  PetscInt            nodes, powers; /* the number of powers, 0 and up */
+  double complex     *map;           /* of all maps, one after another */
+  Block              *block;
+} Run;
+
+static Block *BlockOf(const Run *r, PetscInt slot, PetscInt image, PetscInt power)
+{
+  return &r->block[(slot * r->plan->nimages + image) * r->powers + power];
+}
+
+static PetscErrorCode Matrix(const Run *r, Block *b)
+{
+  PetscFunctionBegin;
+  if (!b->matrix) PetscCall(PetscCalloc1(r->nodes * r->nodes, &b->matrix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void Add(PetscInt n, PetscReal factor, const double complex src[], double complex dst[])
+{
+  for (PetscInt i = 0; i < n; i++) dst[i] += factor * src[i];
+}
+
+/* dst += factor (map of src) */
+static PetscErrorCode AddBlock(const Run *r, const MpmLine *line, const Block *src, Block *dst)
+{
+  const PetscInt        square = r->nodes * r->nodes;
+  const double complex *map = line->key == MPM_NONE ? NULL : r->map + line->key * square, alpha = line->factor, one = 1;
+  PetscBLASInt          n;
+
+  PetscFunctionBegin;
+  if (!map) {
+    dst->multiple += line->factor * src->multiple;
+    if (src->matrix) {
+      PetscCall(Matrix(r, dst));
+      Add(square, line->factor, src->matrix, dst->matrix);
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  if (src->multiple == 0 && !src->matrix) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Matrix(r, dst));
+  if (src->multiple != 0) Add(square, line->factor * src->multiple, map, dst->matrix);
+  if (src->matrix) {
+    PetscCall(PetscBLASIntCast(r->nodes, &n));
+    MPM_ZGEMM("N", "N", &n, &n, &n, &alpha, map, &n, src->matrix, &n, &one, dst->matrix, &n);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RunLine(void *registers, const MpmLine *line, PetscBool back)
+{
+  const Run *r = registers;
+
+  PetscFunctionBegin;
+  PetscCheck(!back, PETSC_COMM_SELF, PETSC_ERR_SUP, "a program runs backwards on vectors alone");
+  for (PetscInt g = 0; g < r->plan->nimages; g++)
+    for (PetscInt j = 0; j + line->power < r->powers; j++)
+      PetscCall(AddBlock(r, line, BlockOf(r, line->src, g, j), BlockOf(r, line->dst, g, j + line->power)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const MpmAlgebra block_algebra = {.add = RunLine};
+
+/* Block (g, h) of what multiplies k^power in the step goes to the coefficient of k^(power + weight[g] - weight[h]). */
+static void Gather(const Run *r, PetscInt g, PetscInt h, PetscInt power, double complex *const coefficient[])
+{
+  const MpmNodalPlan *plan  = r->plan;
+  const Block        *b     = BlockOf(r, plan->next[g], h, power);
+  const PetscInt      nodes = r->nodes, n = plan->nimages * nodes;
+  double complex     *at;
+
+  if (b->multiple == 0 && !b->matrix) return;
+  at = coefficient[(power + plan->weight[g] - plan->weight[h]) / plan->stride] + h * nodes * n + g * nodes;
+  for (PetscInt c = 0; c < nodes; c++) {
+    at[c * n + c] += b->multiple;
+    for (PetscInt i = 0; b->matrix && i < nodes; i++) at[c * n + i] += b->matrix[c * nodes + i];
+  }
+}
+
+/* One more than the largest power in any slot. */
+static PetscInt PowersOf(const MpmNodalPlan *plan)
+{
+  PetscInt powers = 0;
+
+  for (PetscInt i = 0; i < plan->nslots * plan->nimages; i++)
+    while (plan->powers[i] >> powers) powers++;
+  return powers;
+}
+
+PetscErrorCode MpmNodalRun(const MpmNodalPlan *plan, PetscInt nodes, MpmNodalMapMatrix map, void *context,
+                           double complex *const coefficient[])
+{
+  const PetscInt square = nodes * nodes, all = plan->nimages * plan->nimages * square;
+  Run            r = {.plan = plan, .nodes = nodes, .powers = PowersOf(plan)};
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(plan->nmaps * square, &r.map));
+  for (PetscInt m = 0; m < plan->nmaps; m++) PetscCall(map(context, &plan->map[m], r.map + m * square));
+  for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscArrayzero(coefficient[j], all));
+  PetscCall(PetscCalloc1(plan->nslots * plan->nimages * r.powers, &r.block));
+  for (PetscInt g = 0; g < plan->nimages; g++) BlockOf(&r, g, g, 0)->multiple = 1;
+  PetscCall(MpmStepProgramRun(plan->program, &block_algebra, &r, PETSC_FALSE));
+  for (PetscInt g = 0; g < plan->nimages; g++)
+    for (PetscInt h = 0; h < plan->nimages; h++)
+      for (PetscInt j = 0; j < r.powers; j++) Gather(&r, g, h, j, coefficient);
+  for (PetscInt i = 0; i < plan->nslots * plan->nimages * r.powers; i++) PetscCall(PetscFree(r.block[i].matrix));
+  PetscCall(PetscFree(r.block));
+  PetscCall(PetscFree(r.map));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -3,7 +3,6 @@
    of the state, and B makes of them what a step adds to the state. M and Z are assembled; B is applied to vectors.
 */
 #include "operator/nodal.h"
-#include "operator/nodal_matrix.h"
 #include "program/program.h"
 #include <math.h>
 
@@ -20,10 +19,6 @@ static PetscErrorCode MapOf(Nodal *x, const MpmNodalMap *map, Mat *matrix)
   Mat P, W;
 
   PetscFunctionBegin;
-  if (map->to_nodes.kind == MPM_WALL) {
-    PetscCall(MpmWallSelection(&x->sizes, map->to_nodes.axis, map->to_nodes.side, matrix));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
   PetscCall(MpmMapsGet(&x->maps, &map->to_nodes, &P));
   if (map->product) {
     PetscCall(MpmMapsGet(&x->maps, &map->to_particles, &W));
@@ -138,9 +133,7 @@ static PetscErrorCode Diagonal(MPI_Comm comm, PetscInt count, const PetscReal nu
   PetscReal *d;
 
   PetscFunctionBegin;
-  PetscCall(VecCreate(comm, diagonal));
-  PetscCall(VecSetSizes(*diagonal, count * n, PETSC_DETERMINE));
-  PetscCall(VecSetType(*diagonal, VECSTANDARD));
+  PetscCall(MpmRegisterVector(&(MpmRegisters){.comm = comm, .rows = {count * n}}, 0, diagonal));
   PetscCall(VecGetArrayWrite(*diagonal, &d));
   for (PetscInt i = 0; i < count * n; i++) d[i] = number[i % count];
   PetscCall(VecRestoreArrayWrite(*diagonal, &d));
@@ -172,22 +165,12 @@ PetscErrorCode MpmNodalMatrixUnknowns(const MpmLayout *layout, const MpmScheme *
 
 /* ---- all of it ---- */
 
-/* The reciprocals of a vector. */
-static PetscErrorCode Inverse(Vec unit, Vec *inverse)
-{
-  PetscFunctionBegin;
-  PetscCall(VecDuplicate(unit, inverse));
-  PetscCall(VecCopy(unit, *inverse));
-  PetscCall(VecReciprocal(*inverse));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode Balance(Vec unit, MpmReduced *r)
 {
   Vec inverse;
 
   PetscFunctionBegin;
-  PetscCall(Inverse(unit, &inverse));
+  PetscCall(MpmReciprocals(unit, &inverse));
   PetscCall(MatDiagonalScale(r->B, unit, NULL));
   PetscCall(MatDiagonalScale(r->Z, NULL, inverse));
   PetscCall(VecDestroy(&inverse));
@@ -214,7 +197,7 @@ static PetscErrorCode BalanceNodes(const Nodal *x, MpmReduced *r)
     d[i] = mass[i / images] > 0 ? exp2(rint(log2(mass[i / images]) / 2)) : 1;
   PetscCall(VecRestoreArrayWrite(unit, &d));
   PetscCall(VecRestoreArrayRead(x->maps.masses, &mass));
-  PetscCall(Inverse(unit, &inverse));
+  PetscCall(MpmReciprocals(unit, &inverse));
   PetscCall(MatDiagonalScale(r->M, unit, inverse));
   PetscCall(MatDiagonalScale(r->Z, unit, NULL));
   PetscCall(MatDiagonalScale(r->B, NULL, inverse));

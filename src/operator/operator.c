@@ -3,9 +3,7 @@
    up to the energy 1/2 sum m v^2 + V s^2 / E. Solvers and the energy norm use the latter.
 */
 #include "base/power_of_two.h"
-#include "march/march_private.h"
-#include "operator/given.h"
-#include "program/program.h"
+#include "operator/tangent.h"
 #include "scene/layout.h"
 #include "scene/material.h"
 #include <mpmstab/operator.h>
@@ -17,6 +15,9 @@
 #define OF_NONZERO 50  /* bytes: for the registers during assembly, and later for the solver's factors */
 #define OF_MAP 14      /* bytes: of a number of a map */
 #define VECTORS 100    /* of the solver */
+#define SWEEPS 40      /* each halves the distance to balance, on a scale of logarithms */
+#define CLOSE 0.25     /* change of a logarithm to base 2 below which a sweep is the last */
+#define GAIN 4         /* the norm must become so many times smaller, else the matrix stays as it is */
 
 /* Divides the registers by a power of two when they would leave the range of doubles, and adds to its exponent. */
 static PetscErrorCode Rescale(const MpmMatrices *m, PetscInt *exponent)
@@ -205,9 +206,7 @@ static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec 
 
   PetscFunctionBegin;
   PetscCall(Roots(op, powers, A, unit));
-  PetscCall(VecDuplicate(*unit, &inverse));
-  PetscCall(VecCopy(*unit, inverse));
-  PetscCall(VecReciprocal(inverse));
+  PetscCall(MpmReciprocals(*unit, &inverse));
   PetscCall(op->assembled ? MatDuplicate(A, MAT_COPY_VALUES, scaled) : MpmMatrixCopy(A, scaled));
   PetscCall(MatDiagonalScale(*scaled, *unit, inverse));
   PetscCall(VecDestroy(&inverse));
@@ -239,7 +238,8 @@ static PetscErrorCode CreateShell(MPI_Comm comm, MpmOperator *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmOperatorCount(MpmOperator *op)
+/* Sets nonzeros and bytes from A. */
+static PetscErrorCode Count(MpmOperator *op)
 {
   MatInfo info;
 
@@ -275,7 +275,7 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
   o->parts = o->period;
   PetscCall(o->assembled ? Assemble(comm, o) : CreateShell(comm, o));
   PetscCall(Balance(o));
-  PetscCall(MpmOperatorCount(o));
+  PetscCall(Count(o));
   o->assemble_s = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -295,30 +295,14 @@ PetscErrorCode MpmOperatorDestroy(MpmOperator **op)
 /* The particle fields of a march as a state vector, in units of 2^exponent. */
 static PetscErrorCode StateOf(const MpmMarch *march, PetscInt exponent, Vec state)
 {
-  const char *const *names = march->scheme->table->fields;
-  const PetscInt     n = march->particles->count, fields = march->scheme->table->nstate;
-  const PetscInt64  *id;
-  PetscInt          *rows;
-  PetscReal         *values;
+  const MpmTable *table = march->scheme->table;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(n, &rows, n, &values));
-  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
-  for (PetscInt f = 0; names[f]; f++) {
-    const PetscReal *q;
-
-    PetscCall(MpmParticlesGet(march->particles, names[f], &q));
-    for (PetscInt p = 0; p < n; p++) {
-      rows[p]   = (PetscInt)(fields * id[p] + f);
-      values[p] = scalbn(q[p], (int)(march->exponent - exponent));
-    }
-    PetscCall(VecSetValues(state, n, rows, values, INSERT_VALUES));
-    PetscCall(MpmParticlesRestore(march->particles, names[f], &q));
-  }
-  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
-  PetscCall(PetscFree2(rows, values));
+  for (PetscInt f = 0; f < table->nstate; f++)
+    PetscCall(MpmMarchPut(march, table->fields[f], PETSC_FALSE, 0, table->nstate, f, state));
   PetscCall(VecAssemblyBegin(state));
   PetscCall(VecAssemblyEnd(state));
+  PetscCall(VecScale(state, scalbn(1, (int)(march->exponent - exponent))));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -405,5 +389,161 @@ PetscErrorCode MpmOperatorToState(const MpmOperator *op, Vec re, Vec im)
   PetscCall(VecNorm(im, NORM_2, &norm[1]));
   PetscCall(VecScale(re, 1 / hypot(norm[0], norm[1])));
   PetscCall(VecScale(im, 1 / hypot(norm[0], norm[1])));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   ---- the operator of a matrix that was given: of a file, or of a code that was probed ----
+
+   Its units are anybody's, so it is balanced: rows and columns are scaled by powers of two until both have about the same
+   size.
+*/
+
+/* The sums of abs of a matrix' rows without the diagonal, each column times its scale. */
+static PetscErrorCode RowSums(Mat A, Vec scale, Vec sums)
+{
+  Vec          all;
+  VecScatter   scatter;
+  PetscInt     begin, end;
+  PetscScalar *sum;
+
+  PetscFunctionBegin;
+  PetscCall(MatGetOwnershipRange(A, &begin, &end));
+  PetscCall(VecScatterCreateToAll(scale, &scatter, &all));
+  PetscCall(VecScatterBegin(scatter, scale, all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecScatterEnd(scatter, scale, all, INSERT_VALUES, SCATTER_FORWARD));
+  PetscCall(VecGetArray(sums, &sum));
+  for (PetscInt row = begin; row < end; row++) {
+    PetscInt           n;
+    const PetscInt    *columns;
+    const PetscScalar *values, *of;
+
+    sum[row - begin] = 0;
+    PetscCall(VecGetArrayRead(all, &of));
+    PetscCall(MatGetRow(A, row, &n, &columns, &values));
+    for (PetscInt i = 0; i < n; i++)
+      if (columns[i] != row) sum[row - begin] += fabs(values[i]) * of[columns[i]];
+    PetscCall(MatRestoreRow(A, row, &n, &columns, &values));
+    PetscCall(VecRestoreArrayRead(all, &of));
+  }
+  PetscCall(VecRestoreArray(sums, &sum));
+  PetscCall(VecScatterDestroy(&scatter));
+  PetscCall(VecDestroy(&all));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   One sweep. With D = diag(d), row i of D A D^-1 has the sum r_i = d_i sum_j abs(a_ij) / d_j, and its column the sum
+   c_i = sum_j d_j abs(a_ji) / d_i. Each d_i is multiplied by (c_i / r_i)^(1/4): all are moved at once, and so half as far
+   as one alone would be. change: the largest, of the logarithm to base 2.
+*/
+static PetscErrorCode Sweep(Mat A, Mat transposed, Vec d, Vec inverse, Vec rows, Vec columns, PetscReal *change)
+{
+  const PetscScalar *r, *c;
+  PetscScalar       *scale;
+  PetscInt           n;
+
+  PetscFunctionBegin;
+  PetscCall(VecCopy(d, inverse));
+  PetscCall(VecReciprocal(inverse));
+  PetscCall(RowSums(A, inverse, rows));
+  PetscCall(RowSums(transposed, d, columns));
+  PetscCall(VecGetLocalSize(d, &n));
+  PetscCall(VecGetArrayRead(rows, &r));
+  PetscCall(VecGetArrayRead(columns, &c));
+  PetscCall(VecGetArray(d, &scale));
+  *change = 0;
+  for (PetscInt i = 0; i < n; i++) {
+    PetscReal by = c[i] / scale[i] / (r[i] * scale[i]);
+
+    if (!isnormal(by)) continue; /* nothing in the row or in the column, so that no scale balances them */
+    by = sqrt(sqrt(by));
+    scale[i] *= by;
+    *change = PetscMax(*change, fabs(log2(by)));
+  }
+  PetscCall(VecRestoreArray(d, &scale));
+  PetscCall(VecRestoreArrayRead(rows, &r));
+  PetscCall(VecRestoreArrayRead(columns, &c));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, PetscObjectComm((PetscObject)A)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Finds the diagonal of D: powers of two, so that scaling rounds nothing. */
+static PetscErrorCode FindScale(Mat A, Vec d)
+{
+  PetscReal    change = INFINITY;
+  PetscScalar *scale;
+  PetscInt     n;
+  Mat          transposed;
+  Vec          inverse, rows, columns;
+
+  PetscFunctionBegin;
+  PetscCall(MatTranspose(A, MAT_INITIAL_MATRIX, &transposed));
+  PetscCall(VecDuplicate(d, &inverse));
+  PetscCall(VecDuplicate(d, &rows));
+  PetscCall(VecDuplicate(d, &columns));
+  PetscCall(VecSet(d, 1));
+  for (PetscInt sweep = 0; sweep < SWEEPS && change > CLOSE; sweep++)
+    PetscCall(Sweep(A, transposed, d, inverse, rows, columns, &change));
+  PetscCall(VecGetLocalSize(d, &n));
+  PetscCall(VecGetArray(d, &scale));
+  for (PetscInt i = 0; i < n; i++) scale[i] = exp2(rint(log2(scale[i])));
+  PetscCall(VecRestoreArray(d, &scale));
+  PetscCall(VecDestroy(&inverse));
+  PetscCall(VecDestroy(&rows));
+  PetscCall(VecDestroy(&columns));
+  PetscCall(MatDestroy(&transposed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode BalanceGiven(MpmOperator *op)
+{
+  PetscReal before, after;
+  Vec       inverse;
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(op->A, NULL, &op->unit));
+  PetscCall(FindScale(op->A, op->unit));
+  PetscCall(MpmReciprocals(op->unit, &inverse));
+  PetscCall(MatDuplicate(op->A, MAT_COPY_VALUES, &op->balanced));
+  PetscCall(MatDiagonalScale(op->balanced, op->unit, inverse));
+  PetscCall(VecDestroy(&inverse));
+  PetscCall(MatNorm(op->A, NORM_INFINITY, &before));
+  PetscCall(MatNorm(op->balanced, NORM_INFINITY, &after));
+  if (GAIN * after < before) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(VecDestroy(&op->unit));
+  PetscCall(MatDestroy(&op->balanced));
+  PetscCall(PetscObjectReference((PetscObject)op->A));
+  op->balanced = op->A;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmOperatorFromMatrix(Mat A, PetscInt period, MpmOperator **op)
+{
+  const PetscReal begin = MPI_Wtime();
+  MpmOperator    *o;
+  PetscBool       shell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(op));
+  o = *op;
+  PetscCall(PetscObjectTypeCompare((PetscObject)A, MATSHELL, &shell));
+  PetscCall(PetscObjectReference((PetscObject)A));
+  o->A         = A;
+  o->fields    = 1;
+  o->parts     = 1;
+  o->period    = period;
+  o->assembled = shell ? PETSC_FALSE : PETSC_TRUE;
+  o->nonzeros = o->bytes = NAN;
+  PetscCall(MatGetSize(A, &o->order, NULL));
+  PetscCall(PetscObjectSetName((PetscObject)A, "A"));
+  if (shell) {
+    PetscCall(PetscObjectReference((PetscObject)A));
+    o->balanced = A;
+  } else {
+    PetscCall(BalanceGiven(o));
+    PetscCall(Count(o));
+  }
+  o->assemble_s = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -56,14 +56,14 @@ typedef struct {
   const MpmTable *table;
   PetscReal       courant, time;
   Slots           slot;
-  MpmPlacedMaps   maps;
+  MpmMaps         maps;
   MpmStepProgram *program;
   MpmVectors     *values;
   const Vec      *load;
   Vec            *value, weight[MPM_PROPERTIES], inverse;
   PetscBool       inverted; /* a particle has no positive volume in the middle of a step */
   MpmBranch       branch;
-  PetscInt64      on_surface;
+  PetscInt64      on_surface, met; /* met: in the last slope */
 } Builder;
 
 /* ---- the space ---- */
@@ -175,20 +175,6 @@ static PetscErrorCode Clear(Builder *b, PetscInt slot)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A new vector left * right; NULL stands for ones, also in the result. */
-static PetscErrorCode Product(Vec left, Vec right, Vec *product)
-{
-  PetscFunctionBegin;
-  *product = NULL;
-  if (!left && !right) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(VecDuplicate(left ? left : right, product));
-  if (left && right)
-    PetscCall(VecPointwiseMult(*product, left, right));
-  else
-    PetscCall(VecCopy(left ? left : right, *product));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The property of particles that multiplies what they give or get in an operation. NULL: it is 1. */
 static PetscErrorCode WeightOf(Builder *b, MpmOpKind kind, Vec *weight)
 {
@@ -216,7 +202,7 @@ static PetscErrorCode Masses(Builder *b)
 
   PetscFunctionBegin;
   PetscCall(WeightOf(b, MPM_P2G, &m));
-  PetscCall(MpmPlacedMapsGet(&b->maps, MPM_P2G, 0, MPM_NONE, even, &map));
+  PetscCall(MpmMapsWeights(&b->maps, MPM_P2G, 0, MPM_NONE, even, &map));
   PetscCall(VecDuplicate(b->value[0], &ones));
   PetscCall(VecSet(ones, 1));
   PetscCall(VecDuplicate(b->value[b->slot.mass], &b->inverse));
@@ -227,7 +213,7 @@ static PetscErrorCode Masses(Builder *b)
   PetscCall(VecDestroy(&ones));
   for (PetscInt c = 0; c < b->table->dim; c++) {
     PetscCall(Append(b, b->slot.start + c, b->slot.place + c, NULL, PETSC_FALSE, NULL, NULL, 1));
-    PetscCall(MpmPlacedMapsGet(&b->maps, MPM_P2G, 0, c, even, &map));
+    PetscCall(MpmMapsWeights(&b->maps, MPM_P2G, 0, c, even, &map));
     PetscCall(Append(b, b->slot.mass, b->slot.start + c, map, PETSC_TRUE, NULL, m, 1));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -246,8 +232,9 @@ static PetscErrorCode ToNodes(Builder *b, const MpmOp *op)
   PetscFunctionBegin;
   if (!op->accumulates) PetscCall(Clear(b, dst));
   PetscCall(WeightOf(b, op->kind, &weight));
-  PetscCall(Product(b->value[src], weight, &given));
-  PetscCall(MpmPlacedMapsGet(&b->maps, op->kind, op->axis, MPM_NONE, parity, &map));
+  PetscCall(VecDuplicate(b->value[src], &given));
+  PetscCall(weight ? VecPointwiseMult(given, b->value[src], weight) : VecCopy(b->value[src], given));
+  PetscCall(MpmMapsWeights(&b->maps, op->kind, op->axis, MPM_NONE, parity, &map));
   PetscCall(Append(b, dst, src, map, PETSC_TRUE, b->inverse, weight, a));
   PetscCall(VecDuplicate(b->value[dst], &sum));
   PetscCall(MatMultTranspose(map, given, sum));
@@ -256,7 +243,7 @@ static PetscErrorCode ToNodes(Builder *b, const MpmOp *op)
   PetscCall(VecPointwiseMult(sum, sum, b->inverse));
   PetscCall(Append(b, dst, b->slot.mass, NULL, PETSC_FALSE, sum, NULL, -a));
   for (PetscInt c = 0; c < b->table->dim; c++) {
-    PetscCall(MpmPlacedMapsGet(&b->maps, op->kind, op->axis, c, parity, &map));
+    PetscCall(MpmMapsWeights(&b->maps, op->kind, op->axis, c, parity, &map));
     if (map) PetscCall(Append(b, dst, b->slot.start + c, map, PETSC_TRUE, b->inverse, given, a));
   }
   PetscCall(VecDestroy(&given));
@@ -275,7 +262,7 @@ static PetscErrorCode ToParticles(Builder *b, const MpmOp *op)
   PetscFunctionBegin;
   PetscCall(WeightOf(b, op->kind, &weight));
   for (PetscInt c = MPM_NONE; c < b->table->dim; c++) {
-    PetscCall(MpmPlacedMapsGet(&b->maps, op->kind, op->axis, c, parity, &map));
+    PetscCall(MpmMapsWeights(&b->maps, op->kind, op->axis, c, parity, &map));
     if (!map) continue;
     PetscCall(VecDuplicate(b->value[dst], &got));
     PetscCall(MatMult(map, b->value[src], got));
@@ -307,211 +294,216 @@ static PetscErrorCode RestoreArrays(const Builder *b, PetscInt first, PetscInt n
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* dtau_rs += (dtau_rs / dF_ab) dF_ab for one component ab. unit: dF. */
-static PetscErrorCode StressAlong(Builder *b, const MpmOp *op, PetscInt ab, const PetscReal *const F[],
-                                  const PetscReal *const unit[], Vec weight)
+/*
+   A law of particles, y = f(x) at each by itself, with nx registers x and ny registers y.
+
+   x, perturbed - the registers of x, and those that hold their perturbations
+   y            - the first of y
+   factor, weight - dy is multiplied by these besides; NULL: ones
+   slope        - dy along dx
+   zero         - NULL, or whether dy_r does not depend on dx_q
+*/
+typedef struct {
+  PetscInt  nx, ny, x[2 * MPM_MOST_STRETCH], perturbed[2 * MPM_MOST_STRETCH], y;
+  PetscReal factor;
+  Vec       weight;
+  void (*slope)(Builder *b, const MpmOp *op, const PetscReal *const x[], const PetscReal *const dx[],
+                PetscReal *const dy[]);
+  PetscBool (*zero)(const Builder *b, const MpmOp *op, PetscInt q, PetscInt r);
+} Law;
+
+/* Adds n registers to x, with their perturbations in others. */
+static void Reads(Law *law, PetscInt n, PetscInt first, PetscInt perturbed)
 {
-  const PetscInt dim = b->table->dim, ntau = dim * (dim + 1) / 2;
-  Vec            slope[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2];
-  PetscReal     *dtau[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2];
+  for (PetscInt c = 0; c < n; c++) {
+    law->x[law->nx]           = first + c;
+    law->perturbed[law->nx++] = perturbed + c;
+  }
+}
+
+/* Appends dy_r += (dy_r / dx_q) dx_q for all components. */
+static PetscErrorCode AppendLaw(Builder *b, const MpmOp *op, const Law *law)
+{
+  const PetscInt   n = b->sizes->particles;
+  PetscReal       *x[2 * MPM_MOST_STRETCH], *dy[MPM_MOST_STRETCH], *one, *zero;
+  const PetscReal *dx[2 * MPM_MOST_STRETCH];
+  Vec              slope[MPM_MOST_STRETCH];
 
   PetscFunctionBegin;
-  for (PetscInt r = 0; r < ntau; r++) {
-    PetscCall(VecDuplicate(b->value[op->dst], &slope[r]));
-    PetscCall(VecGetArray(slope[r], &dtau[r]));
+  PetscCall(PetscCalloc2(n, &one, n, &zero));
+  for (PetscInt p = 0; p < n; p++) one[p] = 1;
+  for (PetscInt q = 0; q < law->nx; q++) PetscCall(VecGetArray(b->value[law->x[q]], &x[q]));
+  for (PetscInt q = 0; q < law->nx; q++) {
+    for (PetscInt c = 0; c < law->nx; c++) dx[c] = c == q ? one : zero;
+    for (PetscInt r = 0; r < law->ny; r++) {
+      PetscCall(VecDuplicate(b->value[law->y], &slope[r]));
+      PetscCall(VecGetArray(slope[r], &dy[r]));
+    }
+    law->slope(b, op, (const PetscReal *const *)x, dx, dy);
+    for (PetscInt r = 0; r < law->ny; r++) {
+      PetscCall(VecRestoreArray(slope[r], &dy[r]));
+      if (law->weight) PetscCall(VecPointwiseMult(slope[r], slope[r], law->weight));
+      if (!law->zero || !law->zero(b, op, q, r))
+        PetscCall(Append(b, law->y + r, law->perturbed[q], NULL, PETSC_FALSE, slope[r], NULL, law->factor));
+      PetscCall(VecDestroy(&slope[r]));
+    }
   }
-  MpmMaterialTangent(&b->table->material, dim, b->sizes->particles, F, unit, dtau);
-  for (PetscInt r = 0; r < ntau; r++) {
-    PetscCall(VecRestoreArray(slope[r], &dtau[r]));
-    if (weight) PetscCall(VecPointwiseMult(slope[r], slope[r], weight));
-    PetscCall(Append(b, op->dst + r, op->src + ab, NULL, PETSC_FALSE, slope[r], NULL, MpmOpValue(op, b->courant)));
-    PetscCall(VecDestroy(&slope[r]));
-  }
+  for (PetscInt q = 0; q < law->nx; q++) PetscCall(VecRestoreArray(b->value[law->x[q]], &x[q]));
+  PetscCall(PetscFree2(one, zero));
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void StressSlope(Builder *b, const MpmOp *op, const PetscReal *const F[], const PetscReal *const dF[],
+                        PetscReal *const dtau[])
+{
+  (void)op;
+  MpmMaterialTangent(&b->table->material, b->table->dim, b->sizes->particles, F, dF, dtau);
 }
 
 static PetscErrorCode Stress(Builder *b, const MpmOp *op)
 {
-  const PetscInt   dim = b->table->dim, nF = MpmTableStretches(b->table), ntau = dim * (dim + 1) / 2;
-  const PetscInt   n = b->sizes->particles;
-  PetscReal       *F[MPM_MOST_STRETCH], *tau[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2], *one, *zero;
-  const PetscReal *unit[MPM_MOST_STRETCH];
-  Vec              weight;
+  const PetscInt dim = b->table->dim, nF = MpmTableStretches(b->table);
+  Law law = {.ny = dim * (dim + 1) / 2, .y = op->dst, .factor = MpmOpValue(op, b->courant), .slope = StressSlope};
+  PetscReal *F[MPM_MOST_STRETCH], *tau[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2];
 
   PetscFunctionBegin;
-  PetscCall(WeightOf(b, op->kind, &weight));
-  PetscCall(PetscCalloc2(n, &one, n, &zero));
-  for (PetscInt p = 0; p < n; p++) one[p] = 1;
-  for (PetscInt r = 0; r < ntau; r++) PetscCall(Clear(b, op->dst + r));
+  PetscCall(WeightOf(b, op->kind, &law.weight));
+  for (PetscInt r = 0; r < law.ny; r++) PetscCall(Clear(b, op->dst + r));
   PetscCall(GetArrays(b, op->src, nF, F));
-  PetscCall(GetArrays(b, op->dst, ntau, tau));
-  MpmMaterialStress(&b->table->material, dim, n, (const PetscReal *const *)F, tau);
-  PetscCall(RestoreArrays(b, op->dst, ntau, tau));
-  for (PetscInt r = 0; r < ntau && weight; r++)
-    PetscCall(VecPointwiseMult(b->value[op->dst + r], b->value[op->dst + r], weight));
-  for (PetscInt ab = 0; ab < nF; ab++) {
-    for (PetscInt c = 0; c < nF; c++) unit[c] = c == ab ? one : zero;
-    PetscCall(StressAlong(b, op, ab, (const PetscReal *const *)F, unit, weight));
-  }
+  PetscCall(GetArrays(b, op->dst, law.ny, tau));
+  MpmMaterialStress(&b->table->material, dim, b->sizes->particles, (const PetscReal *const *)F, tau);
+  PetscCall(RestoreArrays(b, op->dst, law.ny, tau));
   PetscCall(RestoreArrays(b, op->src, nF, F));
-  PetscCall(PetscFree2(one, zero));
+  for (PetscInt r = 0; r < law.ny && law.weight; r++)
+    PetscCall(VecPointwiseMult(b->value[op->dst + r], b->value[op->dst + r], law.weight));
+  Reads(&law, nF, op->src, op->src);
+  PetscCall(AppendLaw(b, op, &law));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static void ReturnSlope(Builder *b, const MpmOp *op, const PetscReal *const F[], const PetscReal *const dF[],
+                        PetscReal *const dR[])
+{
+  (void)op;
+  b->met = MpmMaterialReturnTangent(&b->table->material, b->table->dim, b->sizes->particles, b->branch, F, dF, dR);
+}
+
+/* Copies the perturbations of n registers, for a law that changes these. */
+static PetscErrorCode CopyPerturbed(Builder *b, PetscInt first, PetscInt n)
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < n; c++) {
+    PetscCall(Clear(b, b->slot.copy + c));
+    PetscCall(Append(b, b->slot.copy + c, first + c, NULL, PETSC_FALSE, NULL, NULL, 1));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* F, with its internal variables, becomes R(F); the lines read a copy of dF. */
 static PetscErrorCode Return(Builder *b, const MpmOp *op)
 {
-  const PetscInt   dim = b->table->dim, nF = MpmTableStretches(b->table), n = b->sizes->particles;
-  PetscReal       *F[MPM_MOST_STRETCH], *dR[MPM_MOST_STRETCH], *one, *zero;
-  const PetscReal *unit[MPM_MOST_STRETCH];
-  Vec              slope[MPM_MOST_STRETCH];
-  PetscInt         on_surface = 0;
+  const PetscInt nF  = MpmTableStretches(b->table);
+  Law            law = {.ny = nF, .y = op->dst, .factor = 1, .slope = ReturnSlope};
+  PetscReal     *F[MPM_MOST_STRETCH];
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc2(n, &one, n, &zero));
-  for (PetscInt p = 0; p < n; p++) one[p] = 1;
-  for (PetscInt c = 0; c < nF; c++) {
-    PetscCall(Clear(b, b->slot.copy + c));
-    PetscCall(Append(b, b->slot.copy + c, op->dst + c, NULL, PETSC_FALSE, NULL, NULL, 1));
+  PetscCall(CopyPerturbed(b, op->dst, nF));
+  for (PetscInt c = 0; c < nF; c++)
     PetscCall(MpmStepProgramAppend(b->program, (MpmLine){.dst = op->dst + c, .src = op->dst + c}));
-  }
+  Reads(&law, nF, op->dst, b->slot.copy);
+  PetscCall(AppendLaw(b, op, &law));
+  b->on_surface += b->met;
   PetscCall(GetArrays(b, op->dst, nF, F));
-  for (PetscInt q = 0; q < nF; q++) {
-    for (PetscInt c = 0; c < nF; c++) {
-      unit[c] = c == q ? one : zero;
-      PetscCall(VecDuplicate(b->value[op->dst], &slope[c]));
-      PetscCall(VecGetArray(slope[c], &dR[c]));
-    }
-    on_surface =
-        MpmMaterialReturnTangent(&b->table->material, dim, n, b->branch, (const PetscReal *const *)F, unit, dR);
-    for (PetscInt c = 0; c < nF; c++) {
-      PetscCall(VecRestoreArray(slope[c], &dR[c]));
-      PetscCall(Append(b, op->dst + c, b->slot.copy + q, NULL, PETSC_FALSE, slope[c], NULL, 1));
-      PetscCall(VecDestroy(&slope[c]));
-    }
-  }
-  b->on_surface += on_surface;
-  MpmMaterialReturn(&b->table->material, dim, n, F);
+  MpmMaterialReturn(&b->table->material, b->table->dim, b->sizes->particles, F);
   PetscCall(RestoreArrays(b, op->dst, nF, F));
-  PetscCall(PetscFree2(one, zero));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* dT_r += (dT_r / dq) dq for one component q of L or of F. dL, dF: the unit of it; NULL: 0. */
-static PetscErrorCode AheadAlong(Builder *b, const MpmOp *op, PetscInt q, const PetscReal *const L[],
-                                 const PetscReal *const F[], const PetscReal *const dL[], const PetscReal *const dF[])
+static void AheadSlope(Builder *b, const MpmOp *op, const PetscReal *const x[], const PetscReal *const dx[],
+                       PetscReal *const dT[])
 {
-  const PetscInt dim = b->table->dim;
-  Vec            slope[MPM_MAX_DIM * MPM_MAX_DIM];
-  PetscReal     *dT[MPM_MAX_DIM * MPM_MAX_DIM] = {NULL};
+  const PetscInt dim = b->table->dim, nF = dim * dim;
 
-  PetscFunctionBegin;
-  for (PetscInt r = 0; r < dim * dim; r++) {
-    PetscCall(VecDuplicate(b->value[op->dst], &slope[r]));
-    PetscCall(VecGetArray(slope[r], &dT[r]));
-  }
-  MpmStressAheadTangent(&b->table->material, dim, b->sizes->particles, op->factor, L, F, dL, dF, dT);
-  for (PetscInt r = 0; r < dim * dim; r++) {
-    PetscCall(VecRestoreArray(slope[r], &dT[r]));
-    PetscCall(Append(b, op->dst + r, q, NULL, PETSC_FALSE, slope[r], NULL, 1));
-    PetscCall(VecDestroy(&slope[r]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmStressAheadTangent(&b->table->material, dim, b->sizes->particles, op->factor, x, x + nF, dx, dx + nF, dT);
 }
 
 static PetscErrorCode StressAhead(Builder *b, const MpmOp *op)
 {
-  const PetscInt          dim = b->table->dim, nF = dim * dim, n = b->sizes->particles;
-  PetscReal              *array[3][MPM_MAX_DIM * MPM_MAX_DIM], *one, *zero;
-  const PetscReal        *unit[MPM_MAX_DIM * MPM_MAX_DIM];
-  const PetscReal *const *L = (const PetscReal *const *)array[0], *const *F = (const PetscReal *const *)array[1];
+  const PetscInt dim = b->table->dim, nF = dim * dim, n = b->sizes->particles;
+  Law            law = {.ny = nF, .y = op->dst, .factor = 1, .slope = AheadSlope};
+  PetscReal     *array[3][MPM_MAX_DIM * MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc2(n, &one, n, &zero));
-  for (PetscInt p = 0; p < n; p++) one[p] = 1;
   for (PetscInt r = 0; r < nF; r++) PetscCall(Clear(b, op->dst + r));
   PetscCall(GetArrays(b, op->src, nF, array[0]));
   PetscCall(GetArrays(b, b->table->stretch, nF, array[1]));
   PetscCall(GetArrays(b, op->dst, nF, array[2]));
-  b->inverted = MpmStressAhead(&b->table->material, dim, n, op->factor, L, F, array[2]) < n ? PETSC_TRUE : PETSC_FALSE;
+  b->inverted = MpmStressAhead(&b->table->material, dim, n, op->factor, (const PetscReal *const *)array[0],
+                               (const PetscReal *const *)array[1], array[2]) < n
+                    ? PETSC_TRUE
+                    : PETSC_FALSE;
   PetscCall(RestoreArrays(b, op->dst, nF, array[2]));
-  for (PetscInt ab = 0; ab < nF; ab++) {
-    for (PetscInt c = 0; c < nF; c++) unit[c] = c == ab ? one : zero;
-    PetscCall(AheadAlong(b, op, op->src + ab, L, F, unit, NULL));
-    PetscCall(AheadAlong(b, op, b->table->stretch + ab, L, F, NULL, unit));
-  }
   PetscCall(RestoreArrays(b, b->table->stretch, nF, array[1]));
   PetscCall(RestoreArrays(b, op->src, nF, array[0]));
-  PetscCall(PetscFree2(one, zero));
+  Reads(&law, nF, op->src, op->src);
+  Reads(&law, nF, b->table->stretch, b->table->stretch);
+  PetscCall(AppendLaw(b, op, &law));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* to_ab += a sum_c L_ac from_cb */
-static PetscErrorCode AddProduct(PetscInt dim, PetscReal a, const Vec L[], const Vec from[], Vec to[])
+/* F' = F + L G, G = F + a L F: dF' - dF = dL G + L dG, dG = dF + a (dL F + L dF) */
+static void StretchSlope(Builder *b, const MpmOp *op, const PetscReal *const x[], const PetscReal *const dx[],
+                         PetscReal *const dy[])
 {
-  Vec product;
+  const PetscInt          dim = b->table->dim, n = dim * dim;
+  const PetscReal         a = MpmOpValue(op, b->courant);
+  const PetscReal *const *L = x, *const *F = x + n, *const *dL = dx, *const *dF = dx + n;
 
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < dim * dim * dim && a != 0; i++) {
-    const PetscInt ab = i / dim, ac = ab / dim * dim + i % dim, cb = i % dim * dim + ab % dim;
+  for (PetscInt p = 0; p < b->sizes->particles; p++) {
+    PetscReal G[MPM_MAX_DIM * MPM_MAX_DIM], dG[MPM_MAX_DIM * MPM_MAX_DIM];
 
-    PetscCall(Product(L[ac], from[cb], &product));
-    PetscCall(VecAXPY(to[ab], a, product));
-    PetscCall(VecDestroy(&product));
+    for (PetscInt i = 0; i < n; i++) {
+      G[i]     = F[i][p];
+      dG[i]    = dF[i][p];
+      dy[i][p] = 0;
+    }
+    for (PetscInt i = 0; i < 2 * n * dim; i++) { /* first G, and then dy of it */
+      const PetscInt ab = i / dim % n, ac = ab / dim * dim + i % dim, cb = i % dim * dim + ab % dim;
+
+      if (i < n * dim) {
+        G[ab] += a * L[ac][p] * F[cb][p];
+        dG[ab] += a * (dL[ac][p] * F[cb][p] + L[ac][p] * dF[cb][p]);
+      } else
+        dy[ab][p] += dL[ac][p] * G[cb] + L[ac][p] * dG[cb];
+    }
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* dF_ab += a sum_cd L_ad dL_dc F_cb */
-static PetscErrorCode StretchTwice(Builder *b, const MpmOp *op, PetscReal a, const Vec L[], const Vec F[])
+/* A column of F' depends on this column of F and, where a is 0, a row of it on this row of L. */
+static PetscBool StretchZero(const Builder *b, const MpmOp *op, PetscInt q, PetscInt r)
 {
-  const PetscInt dim = b->table->dim;
+  const PetscInt dim = b->table->dim, n = dim * dim;
 
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < dim * dim * dim * dim && a != 0; i++) {
-    const PetscInt d = i % dim, c = i / dim % dim, ab = i / dim / dim, ad = ab / dim * dim + d, cb = c * dim + ab % dim;
-    Vec            product;
-
-    PetscCall(Product(L[ad], F[cb], &product));
-    PetscCall(Append(b, op->dst + ab, op->src + d * dim + c, NULL, PETSC_FALSE, product, NULL, a));
-    PetscCall(VecDestroy(&product));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return q >= n ? (q % dim != r % dim) : (op->factor == 0 && q / dim != r / dim);
 }
 
-/* F <- A F, A - I = L + a L L, is F <- F + L G, G = F + a L F. The lines read a copy of dF, and copies of F and L. */
+/* F becomes (I + L + a L L) F; the lines read a copy of dF. */
 static PetscErrorCode Stretch(Builder *b, const MpmOp *op)
 {
-  const PetscInt  dim = b->table->dim, n = dim * dim;
-  const PetscReal a = MpmOpValue(op, b->courant);
-  Vec             F[MPM_MAX_DIM * MPM_MAX_DIM], L[MPM_MAX_DIM * MPM_MAX_DIM], A[MPM_MAX_DIM * MPM_MAX_DIM],
-      G[MPM_MAX_DIM * MPM_MAX_DIM];
+  const PetscInt dim = b->table->dim, n = dim * dim;
+  Law            law = {.ny = n, .y = op->dst, .factor = 1, .slope = StretchSlope, .zero = StretchZero};
+  PetscReal     *F[MPM_MAX_DIM * MPM_MAX_DIM], *L[MPM_MAX_DIM * MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < n; i++) {
-    PetscCall(Product(b->value[op->dst + i], NULL, &F[i]));
-    PetscCall(Product(b->value[op->src + i], NULL, &L[i]));
-    PetscCall(Product(L[i], NULL, &A[i]));
-    PetscCall(Product(F[i], NULL, &G[i]));
-    PetscCall(Clear(b, b->slot.copy + i));
-    PetscCall(Append(b, b->slot.copy + i, op->dst + i, NULL, PETSC_FALSE, NULL, NULL, 1));
-  }
-  PetscCall(AddProduct(dim, a, L, L, A));
-  PetscCall(AddProduct(dim, a, L, F, G));
-  for (PetscInt i = 0; i < n * dim; i++) {
-    const PetscInt ab = i / dim, ac = ab / dim * dim + i % dim, cb = i % dim * dim + ab % dim;
-
-    PetscCall(Append(b, op->dst + ab, b->slot.copy + cb, NULL, PETSC_FALSE, A[ac], NULL, 1));
-    PetscCall(Append(b, op->dst + ab, op->src + ac, NULL, PETSC_FALSE, G[cb], NULL, 1));
-  }
-  PetscCall(StretchTwice(b, op, a, L, F));
-  PetscCall(AddProduct(dim, 1, L, G, &b->value[op->dst]));
-  for (PetscInt i = 0; i < n; i++) {
-    PetscCall(VecDestroy(&F[i]));
-    PetscCall(VecDestroy(&L[i]));
-    PetscCall(VecDestroy(&A[i]));
-    PetscCall(VecDestroy(&G[i]));
-  }
+  PetscCall(CopyPerturbed(b, op->dst, n));
+  Reads(&law, n, op->src, op->src);
+  Reads(&law, n, op->dst, b->slot.copy);
+  PetscCall(AppendLaw(b, op, &law));
+  PetscCall(GetArrays(b, op->dst, n, F));
+  PetscCall(GetArrays(b, op->src, n, L));
+  (void)MpmStretch(dim, b->sizes->particles, MpmOpValue(op, b->courant), F, (const PetscReal *const *)L);
+  PetscCall(RestoreArrays(b, op->src, n, L));
+  PetscCall(RestoreArrays(b, op->dst, n, F));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -674,21 +666,21 @@ static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
   MpmLine           line[MPM_MAX_DIM];
-  PetscInt          n;
+  const PetscInt    n = MpmLinesOfOp(op, b->table->dim, b->slot.node, line);
 
   PetscFunctionBegin;
-  if (op->kind == MPM_COLLIDE) {
-    PetscCall(Collide(b, op));
+  if (n > 0 && (!line[0].op || op->kind == MPM_WALL)) {
+    for (PetscInt i = 0; i < n; i++) {
+      PetscCall(MpmLineBind(b->program, &b->maps, &line[i]));
+      PetscCall(AppendLinear(b, line[i]));
+      PetscCall(MpmLineRelease(&line[i]));
+    }
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmLinesOfOp(b->sizes, op, b->slot.node, line, &n));
-  for (PetscInt i = 0; i < n; i++) {
-    PetscCall(AppendLinear(b, line[i]));
-    PetscCall(MatDestroy(&line[i].map));
-    PetscCall(VecDestroy(&line[i].left));
-  }
-  if (n != MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
   switch (op->kind) {
+  case MPM_COLLIDE:
+    PetscCall(Collide(b, op));
+    break;
   case MPM_STRESS:
     PetscCall(Stress(b, op));
     break;
@@ -731,7 +723,7 @@ static PetscErrorCode Begin(Builder *b, MpmTangentSpace *space, PetscReal couran
                  .load    = state->load,
                  .branch  = space->branch,
                  .slot    = SlotsOf(space->sizes.scheme->table),
-                 .maps    = {.sizes = &space->sizes, .places = &state->places}};
+                 .maps    = {.slab = &space->sizes, .places = &state->places}};
   PetscCall(MpmVectorsCreate(r, &b->values));
   b->values->courant = courant;
   b->value           = b->values->slot;
@@ -749,7 +741,7 @@ static PetscErrorCode End(Builder *b)
   PetscCall(MpmStepProgramDestroy(&b->program));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++) PetscCall(VecDestroy(&b->weight[w]));
   PetscCall(VecDestroy(&b->inverse));
-  PetscCall(MpmPlacedMapsDestroy(&b->maps));
+  PetscCall(MpmMapsDestroy(&b->maps));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,7 +3,7 @@
    docs/theory.md, section 11). It is made of the same table as the step: each operation is followed by its differential.
 */
 #pragma once
-#include "program/placed_maps.h"
+#include "march/march_private.h"
 #include "program/program.h"
 
 /*S
@@ -86,3 +86,30 @@ PetscErrorCode MpmTangentOf(MpmTangentSpace *space, PetscReal courant, const Mpm
 /* Collective. The tangent as a sparse matrix, and the bytes that it takes as a MATSHELL. */
 PetscErrorCode MpmTangentAssemble(Mat tangent, Mat *matrix);
 PetscErrorCode MpmTangentBytes(Mat tangent, PetscReal *bytes);
+
+/* ---- the states of a march ---- */
+
+/*
+   MpmMarchPut - puts a field of a march's particles, of whole numbers or of others, plus a number, into a column of all, a
+   table with a row for each id.
+
+   Collective. The caller assembles the vector.
+*/
+PetscErrorCode MpmMarchPut(const MpmMarch *march, const char name[], PetscBool whole, PetscReal plus, PetscInt columns,
+                           PetscInt column, Vec all);
+
+/*
+   MpmTangentStateOf - copies the present state of a march of the space's scheme, particles in the order of their ids.
+
+   Collective.
+*/
+PetscErrorCode MpmTangentStateOf(const MpmTangentSpace *space, const MpmMarch *march, MpmTangentState *state);
+
+/*
+   MpmTangentMismatch - takes a march through its next step, and compares it with the step that the tangent at the state
+   before is made of. The result is the largest difference of a place, in cells, or of a field, over the largest number of
+   that field or 1.
+
+   Collective. tangent: that of the step. The result is NaN when the march fails in this step.
+*/
+PetscErrorCode MpmTangentMismatch(MpmTangentSpace *space, MpmMarch *march, Mat *tangent, PetscReal *mismatch);

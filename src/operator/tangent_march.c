@@ -2,15 +2,14 @@
    A rank of the march has the particles that are in its cells now, and one of a tangent those that were there at rest. So
    each particle sends its numbers to the row of its id.
 */
-#include "operator/tangent_march.h"
+#include "operator/tangent.h"
 #include "march/finite.h"
 #include <math.h>
 
 #define TIE 1e-9 /* places nearer to one without a derivative are at it */
 
-/* Puts a field of the march's particles, plus a number, into column of a table of numbers with a row for each id. */
-static PetscErrorCode Put(const MpmMarch *march, const char name[], PetscBool whole, PetscReal plus, PetscInt columns,
-                          PetscInt column, Vec all)
+PetscErrorCode MpmMarchPut(const MpmMarch *march, const char name[], PetscBool whole, PetscReal plus, PetscInt columns,
+                           PetscInt column, Vec all)
 {
   const PetscInt64 *id;
   const void       *field;
@@ -57,11 +56,11 @@ PetscErrorCode MpmTangentStateOf(const MpmTangentSpace *space, const MpmMarch *m
   PetscFunctionBegin;
   PetscCall(VecCreateMPI(space->sizes.comm, columns * n, PETSC_DETERMINE, &all));
   for (PetscInt a = 0; a < dim; a++) {
-    PetscCall(Put(march, MpmFieldCell[a], PETSC_TRUE, march->grid->axis[a].first, columns, a, all));
-    PetscCall(Put(march, MpmFieldXi[a], PETSC_FALSE, 0, columns, dim + a, all));
+    PetscCall(MpmMarchPut(march, MpmFieldCell[a], PETSC_TRUE, march->grid->axis[a].first, columns, a, all));
+    PetscCall(MpmMarchPut(march, MpmFieldXi[a], PETSC_FALSE, 0, columns, dim + a, all));
   }
   for (PetscInt f = 0; f < t->nstate; f++)
-    PetscCall(Put(march, t->fields[f], PETSC_FALSE, 0, columns, 2 * dim + f, all));
+    PetscCall(MpmMarchPut(march, t->fields[f], PETSC_FALSE, 0, columns, 2 * dim + f, all));
   PetscCall(VecAssemblyBegin(all));
   PetscCall(VecAssemblyEnd(all));
   PetscCall(VecGetArrayRead(all, &value));

@@ -16,35 +16,6 @@ PetscErrorCode MpmRegistersOf(const MpmSlab *slab, MpmRegisters *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode AppendOps(MpmStepProgram *p, MpmMaps *maps, const MpmTable *table);
-
-static PetscErrorCode NodeVector(const MpmSlab *slab, Vec *vector)
-{
-  PetscFunctionBegin;
-  PetscCall(VecCreate(slab->comm, vector));
-  PetscCall(VecSetSizes(*vector, slab->nodes, PETSC_DETERMINE));
-  PetscCall(VecSetType(*vector, VECSTANDARD));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* 0 on the nodes of a wall, 1 elsewhere. */
-static PetscErrorCode Elsewhere(const MpmSlab *slab, const MpmOp *op, Vec *vector)
-{
-  const PetscInt wall = op->side ? slab->layout->grid[op->axis].nodes - 1 : 0;
-  PetscReal     *v;
-
-  PetscFunctionBegin;
-  PetscCall(NodeVector(slab, vector));
-  PetscCall(VecGetArrayWrite(*vector, &v));
-  for (PetscInt i = 0; i < slab->nodes; i++) {
-    PetscInt stride;
-
-    v[i] = MpmNodeAlong(slab->layout, slab->node0 + i, op->axis, &stride) != wall;
-  }
-  PetscCall(VecRestoreArrayWrite(*vector, &v));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmCollision(const MpmSlab *slab, const MpmOp *op, PetscReal time, const Vec u[], Vec *adds,
                             Vec slope[MPM_MAX_DIM])
 {
@@ -52,7 +23,7 @@ PetscErrorCode MpmCollision(const MpmSlab *slab, const MpmOp *op, PetscReal time
   PetscReal     *to[MPM_MAX_DIM], *add, v[MPM_MAX_DIM] = {0}, x[MPM_MAX_DIM], J[MPM_MAX_DIM * MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(NodeVector(slab, adds));
+  PetscCall(MpmRegisterVector(&(MpmRegisters){.comm = slab->comm, .rows = {0, slab->nodes}}, 1, adds));
   PetscCall(VecGetArray(*adds, &add));
   for (PetscInt d = 0; d < dim; d++) {
     PetscCall(VecDuplicate(*adds, &slope[d]));
@@ -77,61 +48,38 @@ PetscErrorCode MpmCollision(const MpmSlab *slab, const MpmOp *op, PetscReal time
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Colliders that are linear: dst += (P - 1) u along one axis. */
-static PetscErrorCode Collide(const MpmSlab *slab, const MpmOp *op, MpmLine line[MPM_MAX_DIM], PetscInt *n)
+/*
+   The nodes of a wall lose their values, and take a times what register src has there; the others keep theirs. Colliders
+   that are linear: dst += (P - 1) u along one axis.
+*/
+PetscInt MpmLinesOfOp(const MpmOp *op, PetscInt dim, PetscInt nodes, MpmLine line[MPM_MAX_DIM])
 {
-  const MpmLine of = line[0];
-  Vec           adds, slope[MPM_MAX_DIM];
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+  const PetscBool   bare   = op->kind == MPM_ADD || op->kind == MPM_SCALE || op->kind == MPM_COPY;
+  MpmLine           one    = {.dst         = op->dst + (traits.dst == MPM_ON_NODES ? nodes : 0),
+                              .src         = op->src + (traits.src == MPM_ON_NODES ? nodes : 0),
+                              .power       = op->coefficient,
+                              .factor      = op->factor,
+                              .accumulates = op->kind == MPM_ADD ? PETSC_TRUE : op->accumulates,
+                              .op          = bare ? NULL : op};
 
-  PetscFunctionBegin;
-  MpmCheckInput(
-      MpmCollidersAreLinear(slab->layout->colliders),
-      "colliders: a step with friction, contact separating or a body that moves is not linear; allowed: sticky, "
-      "or slip without friction, at rest; 'mpmstab run', or with kinematics finite its tangent at a state "
-      "(at_step)");
-  PetscCall(MpmCollision(slab, op, 0, NULL, &adds, slope));
-  PetscCall(VecDestroy(&adds));
-  for (*n = 0; *n < slab->layout->dim; ++*n) {
-    line[*n]      = of;
-    line[*n].src  = of.src - op->axis + *n;
-    line[*n].left = slope[*n];
+  if (traits.dst == MPM_NOWHERE || (op->kind == MPM_IMPLICIT && op->axis)) return 0;
+  if (op->kind == MPM_IMPLICIT) one.nsolve = dim;
+  if (op->kind == MPM_SCALE) one.src = one.dst;
+  if (op->kind == MPM_SCALE || op->kind == MPM_IMPLICIT) one.accumulates = PETSC_FALSE;
+  if (op->kind == MPM_WALL) one.accumulates = PETSC_TRUE;
+  line[0] = line[1] = one;
+  if (op->kind == MPM_WALL) {
+    line[0].src    = one.dst;
+    line[0].factor = -1;
+    line[0].power  = 0;
+    return op->factor == 0 ? 1 : 2;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The nodes of a wall take a times what register src has there; the others keep their values. */
-static PetscErrorCode Wall(const MpmSlab *slab, const MpmOp *op, MpmLine line[2], PetscInt *n)
-{
-  PetscFunctionBegin;
-  line[0] = (MpmLine){.dst = line[0].dst, .src = line[0].dst, .factor = 1};
-  PetscCall(Elsewhere(slab, op, &line[0].left));
-  if (op->factor == 0) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCheck(op->src != op->dst, slab->comm, PETSC_ERR_PLIB, "a wall reads the register that it sets");
-  line[1].accumulates = PETSC_TRUE;
-  PetscCall(MpmWallSelection(slab, op->axis, op->side, &line[1].map));
-  *n = 2;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes, MpmLine line[MPM_MAX_DIM],
-                            PetscInt *n)
-{
-  const PetscBool on_nodes = op->kind == MPM_WALL || op->kind == MPM_COPY || op->kind == MPM_COLLIDE;
-  const PetscBool adds     = op->kind == MPM_ADD || (on_nodes && op->accumulates) ? PETSC_TRUE : PETSC_FALSE;
-
-  PetscFunctionBegin;
-  *n = MPM_NONE;
-  if (!on_nodes && op->kind != MPM_ADD && op->kind != MPM_SCALE) PetscFunctionReturn(PETSC_SUCCESS);
-  line[0] = (MpmLine){.dst         = op->dst + (on_nodes ? nodes : 0),
-                      .src         = (op->kind == MPM_SCALE ? op->dst : op->src) + (on_nodes ? nodes : 0),
-                      .power       = op->coefficient,
-                      .factor      = op->factor,
-                      .accumulates = adds};
-  line[1] = line[0];
-  *n      = 1;
-  if (op->kind == MPM_WALL) PetscCall(Wall(slab, op, line, n));
-  if (op->kind == MPM_COLLIDE) PetscCall(Collide(slab, op, line, n));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt d = 0; d < dim && op->kind == MPM_COLLIDE; d++) {
+    line[d]     = one;
+    line[d].src = one.src - op->axis + d;
+  }
+  return op->kind == MPM_COLLIDE ? dim : 1;
 }
 
 /* 1 + a K, from the vector that is solved for to itself: K's lines, to which the vector is added. */
@@ -148,7 +96,7 @@ static PetscErrorCode System(const MpmRegisters *all, PetscReal courant, MpmMaps
     r.out[c] = r.n[0] + k->image + c;
   }
   PetscCall(MpmStepProgramCreate(&r, courant, &program));
-  PetscCall(AppendOps(program, maps, k));
+  PetscCall(MpmStepProgramAppendTable(program, k, maps));
   for (PetscInt c = 0; c < k->dim; c++) {
     PetscCall(MpmStepProgramAppend(
         program, (MpmLine){.dst = r.out[c], .src = r.out[c], .power = op->coefficient, .factor = op->factor}));
@@ -177,19 +125,70 @@ PetscErrorCode MpmFactorised(Mat matrix, KSP *solve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The line of IMPLICIT solves by LU, which serves all right sides and the transpose. */
-static PetscErrorCode AppendSolve(MpmStepProgram *p, MpmMaps *maps, const MpmOp *op)
+static PetscErrorCode Collide(const MpmSlab *slab, MpmLine *line)
 {
-  MpmLine line = {
-      .dst = p->registers.n[0] + op->dst, .src = p->registers.n[0] + op->dst, .nsolve = maps->slab->layout->dim};
+  Vec adds, slope[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  MpmCheckInput(
+      MpmCollidersAreLinear(slab->layout->colliders),
+      "colliders: a step with friction, contact separating or a body that moves is not linear; allowed: sticky, "
+      "or slip without friction, at rest; 'mpmstab run', or with kinematics finite its tangent at a state "
+      "(at_step)");
+  PetscCall(MpmCollision(slab, line->op, 0, NULL, &adds, slope));
+  PetscCall(VecDestroy(&adds));
+  for (PetscInt d = 0; d < slab->layout->dim; d++) {
+    if (line->src - line->dst == d - line->op->axis)
+      line->left = slope[d];
+    else
+      PetscCall(VecDestroy(&slope[d]));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The line of IMPLICIT solves by LU, which serves all right sides and the transpose. */
+PetscErrorCode MpmLineBind(const MpmStepProgram *p, MpmMaps *maps, MpmLine *line)
+{
   Mat matrix;
 
   PetscFunctionBegin;
-  PetscCall(System(&p->registers, p->courant, maps, op, &matrix));
-  PetscCall(MpmFactorised(matrix, &line.solve));
-  PetscCall(MpmStepProgramAppend(p, line));
-  PetscCall(KSPDestroy(&line.solve));
-  PetscCall(MatDestroy(&matrix));
+  if (!line->op) PetscFunctionReturn(PETSC_SUCCESS);
+  if (line->nsolve) {
+    PetscCall(System(&p->registers, p->courant, maps, line->op, &matrix));
+    PetscCall(MpmFactorised(matrix, &line->solve));
+    PetscCall(MatDestroy(&matrix));
+  } else if (line->op->kind == MPM_COLLIDE)
+    PetscCall(Collide(maps->slab, line));
+  else {
+    PetscCall(MpmMapsGet(maps, line->op, &line->map));
+    PetscCall(PetscObjectReference((PetscObject)line->map));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmLineRelease(MpmLine *line)
+{
+  PetscFunctionBegin;
+  PetscCall(MatDestroy(&line->map));
+  PetscCall(VecDestroy(&line->left));
+  PetscCall(VecDestroy(&line->right));
+  PetscCall(KSPDestroy(&line->solve));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepProgramAppendTable(MpmStepProgram *p, const MpmTable *table, MpmMaps *maps)
+{
+  PetscFunctionBegin;
+  for (PetscInt o = 0; o < table->nops; o++) {
+    MpmLine        line[MPM_MAX_DIM];
+    const PetscInt n = MpmLinesOfOp(&table->ops[o], table->dim, p->registers.n[0], line);
+
+    for (PetscInt i = 0; i < n; i++) {
+      if (maps) PetscCall(MpmLineBind(p, maps, &line[i]));
+      PetscCall(MpmStepProgramAppend(p, line[i]));
+      PetscCall(MpmLineRelease(&line[i]));
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -200,43 +199,7 @@ PetscErrorCode MpmStepProgramAppendStep(MpmStepProgram *p, MpmMaps *maps, PetscB
   PetscFunctionBegin;
   for (PetscInt r = table->nstate; r < p->registers.n[0] + table->nnodes && again; r++)
     PetscCall(MpmStepProgramAppend(p, (MpmLine){.dst = r, .src = r}));
-  PetscCall(AppendOps(p, maps, table));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Appends the lines of the operations of a table, which has the registers of the scheme's. */
-static PetscErrorCode AppendOps(MpmStepProgram *p, MpmMaps *maps, const MpmTable *table)
-{
-  const PetscInt nodes = p->registers.n[0];
-
-  PetscFunctionBegin;
-  for (PetscInt o = 0; o < table->nops; o++) {
-    const MpmOp      *op     = &table->ops[o];
-    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-    MpmLine           line[MPM_MAX_DIM];
-    PetscInt          n;
-
-    if (traits.dst == MPM_NOWHERE) continue;
-    if (op->kind == MPM_IMPLICIT) {
-      if (op->axis == 0) PetscCall(AppendSolve(p, maps, op));
-      continue;
-    }
-    PetscCall(MpmLinesOfOp(maps->slab, op, nodes, line, &n));
-    for (PetscInt i = 0; i < n; i++) {
-      PetscCall(MpmStepProgramAppend(p, line[i]));
-      PetscCall(MatDestroy(&line[i].map));
-      PetscCall(VecDestroy(&line[i].left));
-    }
-    if (n == MPM_NONE) {
-      line[0] = (MpmLine){.dst         = op->dst + (traits.dst == MPM_ON_NODES ? nodes : 0),
-                          .src         = op->src + (traits.src == MPM_ON_NODES ? nodes : 0),
-                          .power       = op->coefficient,
-                          .factor      = op->factor,
-                          .accumulates = op->accumulates};
-      PetscCall(MpmMapsGet(maps, op, &line[0].map));
-      PetscCall(MpmStepProgramAppend(p, line[0]));
-    }
-  }
+  PetscCall(MpmStepProgramAppendTable(p, table, maps));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -20,6 +20,60 @@ static PetscErrorCode Raise(const MpmMatrices *m, const MpmLine *line, Mat *matr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- one matrix of several ---- */
+
+/*
+   Copies the rows of the parts to those of A. A NULL: counts their numbers, in the columns of this rank (own) and in those of
+   others (far).
+*/
+static PetscErrorCode CopyRows(PetscInt parts, const Mat part[], Mat A, PetscInt own[], PetscInt far[])
+{
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < parts; f++) {
+    PetscInt first, end, begin_column, end_column;
+
+    if (!part[f]) continue;
+    PetscCall(MatGetOwnershipRange(part[f], &first, &end));
+    PetscCall(MatGetOwnershipRangeColumn(part[f], &begin_column, &end_column));
+    for (PetscInt p = first; p < end; p++) {
+      const PetscInt     row = parts * p + f, mine = parts * (p - first) + f;
+      const PetscInt    *columns;
+      const PetscScalar *values;
+      PetscInt           n;
+
+      PetscCall(MatGetRow(part[f], p, &n, &columns, &values));
+      if (A) PetscCall(MatSetValues(A, 1, &row, n, columns, values, INSERT_VALUES));
+      for (PetscInt c = 0; c < n && !A; c++)
+        ++*(columns[c] >= begin_column && columns[c] < end_column ? &own[mine] : &far[mine]);
+      PetscCall(MatRestoreRow(part[f], p, &n, &columns, &values));
+    }
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   One matrix of so many parts, NULL where they are 0: row i of part f becomes row parts x i + f. rows, columns: how many this
+   rank has of each part. diagonal: the result has every entry of its diagonal, if only as 0, so that it can be shifted.
+*/
+static PetscErrorCode Interleave(MPI_Comm comm, PetscInt parts, const Mat part[], PetscInt rows, PetscInt columns,
+                                 PetscBool diagonal, Mat *A)
+{
+  PetscInt *own, *far, begin, end;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc2(parts * rows, &own, parts * rows, &far));
+  for (PetscInt row = 0; row < parts * rows; row++) own[row] = diagonal;
+  PetscCall(CopyRows(parts, part, NULL, own, far));
+  PetscCall(MatCreateAIJ(comm, parts * rows, columns, PETSC_DETERMINE, PETSC_DETERMINE, 0, own, 0, far, A));
+  PetscCall(PetscFree2(own, far));
+  PetscCall(MatGetOwnershipRange(*A, &begin, &end));
+  for (PetscInt row = begin; diagonal && row < end; row++) PetscCall(MatSetValue(*A, row, row, 0, INSERT_VALUES));
+  PetscCall(CopyRows(parts, part, *A, NULL, NULL));
+  PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- the algebra ---- */
 
 static PetscErrorCode Zero(void *registers, PetscInt dst)
@@ -99,7 +153,7 @@ static PetscErrorCode Solve(void *registers, const MpmLine *line, PetscBool back
   PetscFunctionBegin;
   PetscCheck(!back && !m->times_courant, m->registers.comm, PETSC_ERR_SUP,
              "a solve has no powers of the Courant number");
-  PetscCall(MpmInterleave(m->registers.comm, n, part, nodes, m->columns, PETSC_FALSE, &right));
+  PetscCall(Interleave(m->registers.comm, n, part, nodes, m->columns, PETSC_FALSE, &right));
   PetscCall(MatConvert(right, MATDENSE, MAT_INITIAL_MATRIX, &dense));
   PetscCall(MatDestroy(&right));
   PetscCall(MatDuplicate(dense, MAT_DO_NOT_COPY_VALUES, &solution));
@@ -183,7 +237,7 @@ PetscErrorCode MpmMatricesGather(const MpmMatrices *m, PetscBool diagonal, Mat *
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < r->nout; f++) part[f] = m->reg[r->out[f]];
-  PetscCall(MpmInterleave(r->comm, r->nout, part, r->rows[MpmRegisterPlace(r, r->out[0])], m->columns, diagonal, A));
+  PetscCall(Interleave(r->comm, r->nout, part, r->rows[MpmRegisterPlace(r, r->out[0])], m->columns, diagonal, A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -205,78 +259,5 @@ PetscErrorCode MpmStepProgramAssemble(const MpmStepProgram *program, PetscBool d
   PetscCall(MpmStepProgramRun(program, &matrix_algebra, &m, PETSC_FALSE));
   PetscCall(MpmMatricesGather(&m, diagonal, A));
   PetscCall(MpmMatricesDestroy(&m));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- one matrix of several ---- */
-
-/* Counts the numbers of each row, in the columns of this rank (own) and in those of others (far). */
-static PetscErrorCode CountRows(PetscInt parts, const Mat part[], PetscInt rows, PetscBool diagonal, PetscInt own[],
-                                PetscInt far[])
-{
-  PetscFunctionBegin;
-  for (PetscInt row = 0; row < parts * rows; row++) {
-    own[row] = diagonal;
-    far[row] = 0;
-  }
-  for (PetscInt f = 0; f < parts; f++) {
-    PetscInt first, begin, end;
-
-    if (!part[f]) continue;
-    PetscCall(MatGetOwnershipRange(part[f], &first, NULL));
-    PetscCall(MatGetOwnershipRangeColumn(part[f], &begin, &end));
-    for (PetscInt p = 0; p < rows; p++) {
-      const PetscInt *columns;
-      PetscInt        n;
-
-      PetscCall(MatGetRow(part[f], first + p, &n, &columns, NULL));
-      for (PetscInt c = 0; c < n; c++)
-        if (columns[c] >= begin && columns[c] < end)
-          own[parts * p + f]++;
-        else
-          far[parts * p + f]++;
-      PetscCall(MatRestoreRow(part[f], first + p, &n, &columns, NULL));
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode CopyRows(PetscInt parts, const Mat part[], Mat A)
-{
-  PetscFunctionBegin;
-  for (PetscInt f = 0; f < parts; f++) {
-    PetscInt begin, end;
-
-    if (!part[f]) continue;
-    PetscCall(MatGetOwnershipRange(part[f], &begin, &end));
-    for (PetscInt p = begin; p < end; p++) {
-      const PetscInt     row = parts * p + f;
-      const PetscInt    *columns;
-      const PetscScalar *values;
-      PetscInt           n;
-
-      PetscCall(MatGetRow(part[f], p, &n, &columns, &values));
-      PetscCall(MatSetValues(A, 1, &row, n, columns, values, INSERT_VALUES));
-      PetscCall(MatRestoreRow(part[f], p, &n, &columns, &values));
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmInterleave(MPI_Comm comm, PetscInt parts, const Mat part[], PetscInt rows, PetscInt columns,
-                             PetscBool diagonal, Mat *A)
-{
-  PetscInt *own, *far, begin, end;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc2(parts * rows, &own, parts * rows, &far));
-  PetscCall(CountRows(parts, part, rows, diagonal, own, far));
-  PetscCall(MatCreateAIJ(comm, parts * rows, columns, PETSC_DETERMINE, PETSC_DETERMINE, 0, own, 0, far, A));
-  PetscCall(PetscFree2(own, far));
-  PetscCall(MatGetOwnershipRange(*A, &begin, &end));
-  for (PetscInt row = begin; diagonal && row < end; row++) PetscCall(MatSetValue(*A, row, row, 0, INSERT_VALUES));
-  PetscCall(CopyRows(parts, part, *A));
-  PetscCall(MatAssemblyBegin(*A, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(*A, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,8 +1,8 @@
 /*
    Program: a step, or several, as a list of lines on registers, and the one interpreter that walks them. What a
    register
-   is, an algebra says: a vector (vectors.c), a sparse matrix whose columns are the numbers that the program takes
-   (matrices.c), or a polynomial of small matrices (operator/nodal_run.c).
+   is, an algebra says: a vector (program.c), a sparse matrix whose columns are the numbers that the program takes
+   (matrices.c), or a polynomial of small matrices (operator/nodal.c).
 
    Registers are numbered: first those of particles, then those of nodes. A line with a map M is
 
@@ -40,21 +40,23 @@ static inline PetscInt MpmRegisterPlace(const MpmRegisters *r, PetscInt reg)
 /*S
    MpmLine - a line of a program.
 
-   map         - NULL: the identity
-   key         - in a program without matrices, the number of the line's map, or MPM_NONE: the identity
-   solve       - NULL, or register dst and the nsolve - 1 after it, node by node, become the solution of a system with these as its
+   op          - the key of the line's map: the operation of a table that it comes from. NULL: the identity
+   key         - in a plan (operator/nodal.h) the number of the line's map, or MPM_NONE: the identity
+   map         - the matrix of the map, of a line that is bound to particles at their places. NULL: the identity
+   nsolve, solve - 0, or register dst and the nsolve - 1 after it, node by node, become the solution of a system with these as its
                  right side. The line has no map then.
    transposed  - the line's map is the transpose of map
    left, right - NULL: ones
 S*/
 typedef struct {
-  PetscInt  dst, src, power, key;
-  PetscReal factor;
-  PetscBool accumulates, transposed;
-  Mat       map;
-  Vec       left, right;
-  KSP       solve;
-  PetscInt  nsolve;
+  PetscInt     dst, src, power, key;
+  PetscReal    factor;
+  PetscBool    accumulates, transposed;
+  const MpmOp *op;
+  Mat          map;
+  Vec          left, right;
+  KSP          solve;
+  PetscInt     nsolve;
 } MpmLine;
 
 /*S
@@ -110,9 +112,12 @@ PetscErrorCode MpmStepProgramBytes(const MpmStepProgram *program, PetscReal *byt
    MpmRegistersOf - the registers of a slab's table, which takes and gives its state
    MpmStepProgramAppendStep - appends the operations of a table, with the particles where maps has them. again: a step
              came before, whose scratch registers are set to 0
-   MpmLinesOfOp - the lines of an operation without a map: WALL, COLLIDE of linear colliders, ADD, SCALE, COPY. nodes is the first register of nodes.
-             n: how many, MPM_NONE for an operation with a map. The caller destroys map and
-             left of these lines.
+   MpmStepProgramAppendTable - appends the operations of a table. maps: NULL for lines with keys alone, for an algebra that
+             knows what a map is by its operation
+   MpmLinesOfOp - the lines of an operation, with keys, in a table of dim directions whose first register of nodes is nodes;
+             returns how many there are. Only that is not collective.
+   MpmLineBind - sets the map of a line with a key, or left of COLLIDE of linear colliders, or the solver of IMPLICIT
+   MpmLineRelease - destroys them
    MpmCollision - what COLLIDE adds at the nodes of a slab, whose velocity is u, NULL: 0; and its derivative by each
              component of u, as vectors that the caller destroys
    MpmFactorised - a solver that has factorised a matrix by LU, for a line that solves
@@ -122,8 +127,10 @@ PetscErrorCode MpmStepProgramBytes(const MpmStepProgram *program, PetscReal *byt
 PetscErrorCode MpmFactorised(Mat matrix, KSP *solve);
 PetscErrorCode MpmRegistersOf(const MpmSlab *slab, MpmRegisters *registers);
 PetscErrorCode MpmStepProgramAppendStep(MpmStepProgram *program, MpmMaps *maps, PetscBool again);
-PetscErrorCode MpmLinesOfOp(const MpmSlab *slab, const MpmOp *op, PetscInt nodes, MpmLine line[MPM_MAX_DIM],
-                            PetscInt *n);
+PetscErrorCode MpmStepProgramAppendTable(MpmStepProgram *program, const MpmTable *table, MpmMaps *maps);
+PetscInt       MpmLinesOfOp(const MpmOp *op, PetscInt dim, PetscInt nodes, MpmLine line[MPM_MAX_DIM]);
+PetscErrorCode MpmLineBind(const MpmStepProgram *program, MpmMaps *maps, MpmLine *line);
+PetscErrorCode MpmLineRelease(MpmLine *line);
 PetscErrorCode MpmCollision(const MpmSlab *slab, const MpmOp *op, PetscReal time, const Vec u[], Vec *adds,
                             Vec slope[MPM_MAX_DIM]);
 
@@ -156,20 +163,17 @@ PetscErrorCode MpmRegisterVector(const MpmRegisters *registers, PetscInt place, 
 
 /*
    MpmStepProgramMatrix - a MATSHELL whose products, and transposed products, run a program on vectors. The matrix has
-   references to both from then on. vectors: NULL for memory of its own. MatGetInfo has the program's nonzeros.
+   references to both from then on. vectors: NULL for memory of its own. MatGetInfo has the program's nonzeros. MatNorm has
+   its infinity norm from below; other norms are not known.
 
    MpmMatrixProgram - the program of such a matrix. MpmMatrixCopy - a second matrix of the same program, which may be
    scaled by itself.
-
-   MpmMatrixLowerNorm - the infinity norm of a matrix that has products alone, from below: the largest number that it
-   makes of a few vectors of ones with random signs. MatNorm of a program's matrix is that. Other norms are not known.
 
    Collective.
 */
 PetscErrorCode MpmStepProgramMatrix(MpmStepProgram *program, MpmVectors *vectors, Mat *matrix);
 PetscErrorCode MpmMatrixProgram(Mat matrix, const MpmStepProgram **program);
 PetscErrorCode MpmMatrixCopy(Mat matrix, Mat *copy);
-PetscErrorCode MpmMatrixLowerNorm(Mat matrix, NormType type, PetscReal *norm);
 
 /*S
    MpmMatrices - registers as sparse matrices. Their rows are particles or nodes, and their columns what the program
@@ -192,7 +196,8 @@ typedef struct {
    MpmMatricesCreate - the registers that a program takes are rows of the identity. degree: 0, or of polynomials; powers
    beyond it are dropped, and the calling rank holds everything.
    MpmMatricesRun - runs a program on them, which messages call step number step
-   MpmMatricesGather - what the program gives, as one matrix. diagonal is that of MpmInterleave.
+   MpmMatricesGather - what the program gives, as one matrix. Number f of row i becomes row nout x i + f.
+                       diagonal: it has every entry of its diagonal, if only as 0, so that it can be shifted.
    MpmStepProgramAssemble - all of this, of one program
 
    Collective.
@@ -202,15 +207,6 @@ PetscErrorCode MpmMatricesRun(MpmMatrices *m, const MpmStepProgram *program, Pet
 PetscErrorCode MpmMatricesGather(const MpmMatrices *m, PetscBool diagonal, Mat *A);
 PetscErrorCode MpmMatricesDestroy(MpmMatrices *m);
 PetscErrorCode MpmStepProgramAssemble(const MpmStepProgram *program, PetscBool diagonal, Mat *A);
-
-/*
-   MpmInterleave - one matrix of so many parts: row i of part f becomes row parts x i + f.
-
-   Collective. part: NULL where it is 0. rows, columns: how many this rank has of each part. diagonal: the result has
-   every entry of its diagonal, if only as 0, so that it can be shifted.
-*/
-PetscErrorCode MpmInterleave(MPI_Comm comm, PetscInt parts, const Mat part[], PetscInt rows, PetscInt columns,
-                             PetscBool diagonal, Mat *A);
 
 /* ---- the operator of some steps: as matrices, or without its matrix as their program ---- */
 

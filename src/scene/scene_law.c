@@ -1,5 +1,5 @@
 /* The state that a linear scheme is about, from a material and its stretch or from a stress; damping and viscosity. */
-#include "linalg/hermitian.h"
+#include "linalg/small_eigen.h"
 #include "scene/layout.h"
 #include "scene/settings.h"
 #include <math.h>

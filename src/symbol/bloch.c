@@ -1,9 +1,9 @@
 /*
-   A table applied to one Bloch mode. On the mode
+   The program of a table on rows of one Bloch mode. On the mode
 
      q_p = e^(i beta.n) q^_j    (particle j of cell n),    g_i = e^(i beta.i) g^
 
-   an operation of the table is a product of small matrices:
+   the map of an operation is a product of small matrices:
 
      particle -> node       g^  = a sum_j sum_d phi_jd e^(-i beta.d) q^_j / mass
      node -> particle       q^_j += a sum_d phi_jd e^(i beta.d) g^
@@ -14,6 +14,7 @@
 */
 #include "base/hash.h"
 #include "base/power_of_two.h"
+#include "linalg/lapack_names.h"
 #include "symbol/bloch.h"
 #include <mpmstab/verdict.h>
 #include <math.h>
@@ -84,20 +85,16 @@ static inline Factor Times(const PetscReal a[BLOCK], double complex z)
   return f;
 }
 
-/*
-   dst += factor src, or dst = factor src where anew, for rows of n numbers: first their real parts, then their imaginary
-   ones. n is a multiple of BLOCK.
-*/
-static inline void AddRow(PetscInt n, const Factor *f, const PetscReal *restrict src, PetscBool anew,
-                          PetscReal *restrict dst)
+/* dst += factor src, for rows of n numbers: first their real parts, then their imaginary ones. n is a multiple of BLOCK. */
+static inline void AddRow(PetscInt n, const Factor *f, const PetscReal *restrict src, PetscReal *restrict dst)
 {
   for (PetscInt c = 0; c < n; c += BLOCK)
     for (PetscInt i = 0; i < BLOCK; i++) {
       const PetscReal re = f->re[i] * src[c + i] - f->im[i] * src[n + c + i],
                       im = f->re[i] * src[n + c + i] + f->im[i] * src[c + i];
 
-      dst[c + i]     = anew ? re : dst[c + i] + re;
-      dst[n + c + i] = anew ? im : dst[n + c + i] + im;
+      dst[c + i] += re;
+      dst[n + c + i] += im;
     }
 }
 
@@ -129,11 +126,11 @@ static PetscReal Inverse(const MpmBloch *b)
   return alpha > SINGULAR ? 1 / alpha : 0;
 }
 
-double complex MpmBlochOfNodes(const MpmBloch *b, const MpmOp *op, const PetscReal beta[])
+double complex MpmBlochOfNodes(const MpmBloch *b, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
 
-  return op->kind == MPM_SOLVE ? Inverse(b) : Stencil(&traits, beta[op->axis]);
+  return op->kind == MPM_SOLVE ? Inverse(b) : Stencil(&traits, b->beta[op->axis]);
 }
 
 void MpmBlochSetPhase(MpmBloch *b, const PetscReal beta[])
@@ -142,57 +139,150 @@ void MpmBlochSetPhase(MpmBloch *b, const PetscReal beta[])
   MpmBlochSetStep(b, 0);
 }
 
-/* Applies operation o of the table in the present step. */
-static void Apply(MpmBloch *b, PetscInt o, const PetscReal beta[])
-{
-  const MpmOp      *op     = &b->scheme->table->ops[o];
-  const MpmOpTraits traits = b->traits[o];
-  const PetscReal  *a      = b->values + o * BLOCK;
-  const PetscInt    ppc = b->ppc, n = b->width;
-  PetscReal        *dst, share[BLOCK];
-  Factor            f;
+typedef double complex Small[MPM_MAX_DIM][MPM_MAX_DIM];
 
-  if (traits.dst == MPM_NOWHERE) return;
-  if (op->kind == MPM_IMPLICIT) {
-    if (op->axis == 0) MpmBlochImplicit(b, op, a);
-    return;
-  }
-  if (op->kind == MPM_SCALE || (op->kind == MPM_ADD && op->dst == op->src)) {
-    for (PetscInt i = 0; i < BLOCK; i++) share[i] = op->kind == MPM_ADD ? 1 + a[i] : a[i];
-    ScaleRows(ppc * n, share, MpmBlochRows(b, op->dst));
-    return;
-  }
-  if (op->kind == MPM_ADD) {
-    f = Times(a, 1);
-    AddRow(ppc * n, &f, MpmBlochRows(b, op->src), PETSC_FALSE, MpmBlochRows(b, op->dst));
-    return;
-  }
-  if (traits.dst == MPM_ON_PARTICLES) {
-    for (PetscInt j = 0; j < ppc; j++) {
-      f = Times(a, MpmBlochTie(b, op, j, NULL));
-      AddRow(n, &f, MpmBlochRow(b, op->src), PETSC_FALSE, MpmBlochRows(b, op->dst) + j * 2 * n);
+static PetscBool IsGather(const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  return traits.src == MPM_ON_NODES && traits.dst == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* The lines of a table of K are gathers to scratch, and then sums of scratch. */
+static void Stiffness(const MpmBloch *b, const MpmTable *k, Small K)
+{
+  for (PetscInt c = 0; c < k->dim; c++)
+    for (PetscInt a = 0; a < k->dim; a++) K[c][a] = 0;
+  for (const MpmOp *grad = k->ops; grad < k->ops + k->nops; grad++)
+    for (const MpmOp *div = grad + 1; div < k->ops + k->nops && IsGather(grad); div++) {
+      const MpmOpTraits traits = MpmOpTraitsOf(div->kind);
+
+      if (traits.src != MPM_ON_PARTICLES || traits.dst != MPM_ON_NODES || div->src != grad->dst) continue;
+      for (PetscInt j = 0; j < b->ppc; j++)
+        K[div->dst - k->image][grad->src - k->solved] +=
+            div->factor * grad->factor / b->mass * conj(MpmBlochTie(b, div, j, NULL)) * MpmBlochTie(b, grad, j, NULL);
     }
-    return;
-  }
-  dst = MpmBlochRow(b, op->dst);
-  if (traits.dst == traits.src && op->dst == op->src) {
-    ScaleRows(n, a, dst);
-    return;
-  }
-  if (traits.src == MPM_ON_PARTICLES) {
-    for (PetscInt i = 0; i < BLOCK; i++) share[i] = a[i] / b->mass;
-    for (PetscInt j = 0; j < ppc; j++) {
-      f = Times(share, conj(MpmBlochTie(b, op, j, NULL)));
-      if (j == 0 && !op->accumulates)
-        AddRow(n, &f, MpmBlochRows(b, op->src), PETSC_TRUE, dst);
-      else
-        AddRow(n, &f, MpmBlochRows(b, op->src) + j * 2 * n, PETSC_FALSE, dst);
+}
+
+/* The inverse of 1 + a K, by LAPACK's elimination; the transposes of both, by columns, are these by rows. */
+static void Invert(PetscInt n, Small K, PetscReal a, Small inverse)
+{
+  const PetscBLASInt order = (PetscBLASInt)n, rows = MPM_MAX_DIM;
+  PetscBLASInt       pivot[MPM_MAX_DIM], info;
+  Small              A;
+
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt j = 0; j < n; j++) {
+      A[i][j]       = (i == j) + a * K[i][j];
+      inverse[i][j] = i == j;
     }
-  } else {
-    f = Times(a, MpmBlochOfNodes(b, op, beta));
-    AddRow(n, &f, MpmBlochRow(b, op->src), op->accumulates ? PETSC_FALSE : PETSC_TRUE, dst);
+  MPM_ZGESV(&order, &order, A[0], &rows, pivot, inverse[0], &rows, &info);
+}
+
+/*
+   IMPLICIT: the vector of a node becomes (1 + a K)^-1 times it, with a number a for each lane. K is a matrix of dim x dim at each phase:
+
+     K_ca = the sum over GRAD of component a to a stress, and DIV of this stress to component c, of their symbols' product
+*/
+static void Implicit(MpmBloch *b, const MpmOp *op, const PetscReal a[])
+{
+  const MpmTable *k = MpmTableStiffness(b->scheme->table, op);
+  const PetscInt  n = k->dim, width = b->width;
+  Small           K, inverse[MPM_BLOCH_LANES];
+  PetscReal      *row[MPM_MAX_DIM];
+
+  Stiffness(b, k, K);
+  for (PetscInt lane = 0; lane < b->lanes; lane++) Invert(n, K, a[lane], inverse[lane]);
+  for (PetscInt c = 0; c < n; c++) row[c] = MpmBlochRow(b, op->dst + c);
+  for (PetscInt i = 0; i < width; i++) {
+    double complex sum[MPM_MAX_DIM] = {0};
+
+    for (PetscInt c = 0; c < n; c++)
+      for (PetscInt d = 0; d < n; d++) sum[c] += inverse[i % b->lanes][c][d] * CMPLX(row[d][i], row[d][width + i]);
+    for (PetscInt c = 0; c < n; c++) {
+      row[c][i]         = creal(sum[c]);
+      row[c][width + i] = cimag(sum[c]);
+    }
   }
 }
+
+/* ---- the algebra of rows, in the present step ---- */
+
+/* The factors of a line in each lane. */
+static const PetscReal *Values(const MpmBloch *b, const MpmLine *line)
+{
+  return b->values + (line - b->program->line) * BLOCK;
+}
+
+/* The rows of a register, and how many numbers they have, real or imaginary. */
+static PetscReal *Register(const MpmBloch *b, PetscInt reg, PetscInt *n)
+{
+  const PetscInt particles = b->program->registers.n[0];
+
+  *n = reg < particles ? b->ppc * b->width : b->width;
+  return reg < particles ? MpmBlochRows(b, reg) : MpmBlochRow(b, reg - particles);
+}
+
+static PetscErrorCode Zero(void *mode, PetscInt dst)
+{
+  PetscInt   n;
+  PetscReal *rows = Register(mode, dst, &n);
+
+  PetscFunctionBegin;
+  PetscCall(PetscArrayzero(rows, 2 * n));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Scale(void *mode, const MpmLine *line)
+{
+  PetscInt   n;
+  PetscReal *rows = Register(mode, line->dst, &n);
+
+  PetscFunctionBegin;
+  ScaleRows(n, Values(mode, line), rows);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Add(void *mode, const MpmLine *line, PetscBool back)
+{
+  const MpmBloch  *b = mode;
+  const PetscReal *a = Values(b, line);
+  const PetscInt   n = b->width, to = MpmRegisterPlace(&b->program->registers, line->dst);
+  PetscInt         numbers;
+  PetscReal       *src = Register(b, line->src, &numbers), *dst = Register(b, line->dst, &numbers), share[BLOCK];
+  Factor           f;
+
+  PetscFunctionBegin;
+  PetscCheck(!back, PETSC_COMM_SELF, PETSC_ERR_SUP, "a program runs backwards on vectors alone");
+  if (to != MpmRegisterPlace(&b->program->registers, line->src)) {
+    for (PetscInt i = 0; i < BLOCK; i++) share[i] = to ? a[i] / b->mass : a[i];
+    for (PetscInt j = 0; j < b->ppc; j++) {
+      const double complex tie = MpmBlochTie(b, line->op, j, NULL);
+
+      f = Times(share, to ? conj(tie) : tie);
+      AddRow(n, &f, src + (to ? 2 * j * n : 0), dst + (to ? 0 : 2 * j * n));
+    }
+  } else if (!line->op && dst == src) {
+    for (PetscInt i = 0; i < BLOCK; i++) share[i] = 1 + a[i];
+    ScaleRows(numbers, share, dst);
+  } else {
+    f = Times(a, line->op ? MpmBlochOfNodes(b, line->op) : 1);
+    AddRow(numbers, &f, src, dst);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Solve(void *mode, const MpmLine *line, PetscBool back)
+{
+  PetscFunctionBegin;
+  PetscCheck(!back, PETSC_COMM_SELF, PETSC_ERR_SUP, "a program runs backwards on vectors alone");
+  Implicit(mode, line->op, Values(mode, line));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static const MpmAlgebra row_algebra = {.zero = Zero, .scale = Scale, .add = Add, .solve = Solve};
+
+/* ---- steps ---- */
 
 /* The largest abs in each lane, of n numbers. */
 static void Largest(PetscInt n, const PetscReal number[], PetscReal most[BLOCK])
@@ -250,21 +340,21 @@ static void Disturb(MpmBloch *b, PetscInt step)
 PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
                              PetscInt columns)
 {
-  const MpmTable *t = b->scheme->table;
+  const MpmStepProgram *p = b->program;
 
   PetscFunctionBegin;
   b->lanes = n == 1 ? 1 : MPM_BLOCH_LANES;
   b->width = MpmBlochFullWidth(columns * b->lanes);
   for (PetscInt a = 0; a < b->layout->dim; a++) SetPhase(b, a, beta[a], steps);
-  for (PetscInt o = 0; o < t->nops; o++)
+  for (PetscInt l = 0; l < p->n; l++)
     for (PetscInt i = 0; i < BLOCK; i++)
-      b->values[o * BLOCK + i] = i < n ? MpmOpValue(&t->ops[o], courant[i]) : b->values[o * BLOCK + n - 1];
-  PetscCall(PetscArrayzero(b->particle, 2 * t->nparticles * b->ppc * b->width));
+      b->values[l * BLOCK + i] = i < n ? MpmLineValue(&p->line[l], courant[i]) : b->values[l * BLOCK + n - 1];
+  PetscCall(PetscArrayzero(b->particle, 2 * p->registers.n[0] * b->ppc * b->width));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds to the rows of what nodes give in a step what operation o is the first to read. */
-static void Note(const MpmBloch *b, const MpmTaken *taken, PetscInt o, PetscReal numbers[])
+/* Adds to the rows of what nodes give in a step what a line is the first to read. */
+static void Note(const MpmBloch *b, const MpmTaken *taken, const MpmLine *line, PetscReal numbers[])
 {
   PetscReal one[BLOCK];
 
@@ -273,18 +363,20 @@ static void Note(const MpmBloch *b, const MpmTaken *taken, PetscInt o, PetscReal
     const MpmTakenGift *gift = &taken->gift[g];
     const Factor        f    = Times(one, gift->times);
 
-    if (gift->at == o)
-      AddRow(b->width, &f, MpmBlochRow(b, gift->src), PETSC_FALSE, numbers + gift->number * 2 * b->width);
+    if (line->op == b->scheme->table->ops + gift->at)
+      AddRow(b->width, &f, MpmBlochRow(b, gift->src), numbers + gift->number * 2 * b->width);
   }
 }
 
-void MpmBlochRunStep(MpmBloch *b, PetscInt step, const PetscReal beta[], const MpmTaken *taken, PetscReal numbers[])
+PetscErrorCode MpmBlochRunStep(MpmBloch *b, PetscInt step, const MpmTaken *taken, PetscReal numbers[])
 {
+  PetscFunctionBegin;
   MpmBlochSetStep(b, step);
-  for (PetscInt o = 0; o < b->scheme->table->nops; o++) {
-    if (taken) Note(b, taken, o, numbers);
-    Apply(b, o, beta);
+  for (PetscInt l = 0; l < b->program->n; l++) {
+    if (taken) Note(b, taken, &b->program->line[l], numbers);
+    PetscCall(MpmLineRun(&b->program->line[l], &row_algebra, b, PETSC_FALSE));
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmBlochStep(MpmBloch *b, PetscReal courant, const PetscReal beta[], PetscInt step,
@@ -297,7 +389,7 @@ PetscErrorCode MpmBlochStep(MpmBloch *b, PetscReal courant, const PetscReal beta
       MpmBlochRows(b, field)[2 * j * b->width]       = creal(state[b->fields * j + field]);
       MpmBlochRows(b, field)[(2 * j + 1) * b->width] = cimag(state[b->fields * j + field]);
     }
-  MpmBlochRunStep(b, step, beta, NULL, NULL);
+  PetscCall(MpmBlochRunStep(b, step, NULL, NULL));
   for (PetscInt field = 0; field < b->fields; field++)
     for (PetscInt j = 0; j < b->ppc; j++)
       state[b->fields * j + field] =
@@ -376,7 +468,7 @@ static PetscErrorCode Whole(MpmBloch *b, const MpmTaken *t, PetscInt n, const Pe
     for (PetscInt r = 0; r < b->fields; r++)
       if (!t || !t->taken[r]) SetAll(b, MpmBlochRows(b, r) + 2 * j * b->width, column++, 1);
   for (PetscInt step = 0; step < steps; step++) {
-    MpmBlochRunStep(b, step, beta, step == steps - 1 ? t : NULL, given);
+    PetscCall(MpmBlochRunStep(b, step, step == steps - 1 ? t : NULL, given));
     if (noisy) Disturb(b, step);
     Rescale(b, numbers * 2 * b->width, given, exponent);
   }

@@ -1,13 +1,14 @@
 /* The amplification matrix of one phase: a table applied to one Bloch mode. MpmSymbolCreate calls it for each phase. */
 #pragma once
 #include "linalg/small_eigen.h"
+#include "program/program.h"
 #include "symbol/ties.h"
 #include <mpmstab/table.h>
 
-typedef struct MpmBlochNodal_  MpmBlochNodal;  /* symbol/bloch_nodal.h */
-typedef struct MpmBlochGained_ MpmBlochGained; /* symbol/bloch_gained.h */
+typedef struct MpmBlochNodal_  MpmBlochNodal;  /* symbol/bloch_growth.h */
+typedef struct MpmBlochGained_ MpmBlochGained; /* symbol/bloch_growth.h */
 
-/* ---- what particles take from nodes (bloch_taken.c) ---- */
+/* ---- what particles take from nodes (bloch_create.c) ---- */
 
 /*
    What particles take from nodes at the end of a step. A particle register that is set to 0 and then only gets values from
@@ -85,7 +86,7 @@ PetscErrorCode MpmTakenFind(const MpmTable *table, PetscBool gains, MpmTaken **t
    used         - used[kind]: the table needs this map
    ties         - the weights along each direction
    particle, nodes - the registers
-   turns        - room for the matrices of a turn of all lanes, where there is more than one
+   turns        - room for the matrices of a turn of all lanes
    beta, known  - the present phase, and the number of steps for which tie is set
    wave         - the phase factors of the nodes along each direction, at the present phase (MpmTiesWave)
    tie          - tie[axis][(kind x period + step) x ppc + j]: the symbol of a map along an axis at the particles that
@@ -94,7 +95,7 @@ PetscErrorCode MpmTakenFind(const MpmTable *table, PetscBool gains, MpmTaken **t
    mass         - of a node, at the present step
    nodal        - the nodal operator; NULL where it does not apply
    gained       - what particles gain from nodes; NULL where it does not apply, or the turn's matrix is no larger
-   traits, values - of the table's operations; values are the factors in each lane
+   program, values - the table's lines, with keys, and their factors in each lane
 S*/
 typedef struct {
   const MpmLayout *layout;
@@ -109,7 +110,7 @@ typedef struct {
   double complex  *turns;
   MpmBlochNodal   *nodal;
   MpmBlochGained  *gained;
-  MpmOpTraits     *traits;
+  MpmStepProgram  *program;
   PetscReal       *values;
 } MpmBloch;
 
@@ -153,7 +154,7 @@ PetscErrorCode MpmBlochTurns(MpmBloch *bloch, PetscInt n, const PetscReal couran
 */
 void           MpmBlochSetPhase(MpmBloch *bloch, const PetscReal beta[]);
 double complex MpmBlochTie(const MpmBloch *bloch, const MpmOp *op, PetscInt j, const PetscBool along[]);
-double complex MpmBlochOfNodes(const MpmBloch *bloch, const MpmOp *op, const PetscReal beta[]);
+double complex MpmBlochOfNodes(const MpmBloch *bloch, const MpmOp *op);
 
 /*
    MpmBlochStep - applies one step of the period to a state of a cell, in place: size numbers, with particle j's numbers
@@ -203,8 +204,6 @@ static inline PetscReal *MpmBlochRow(const MpmBloch *b, PetscInt field)
    MpmBlochRunStep - a step of a period. taken: what nodes give to the registers that are taken is added to numbers, rows of
    2 x width; NULL: it is not noted.
 
-   MpmBlochImplicit - applies IMPLICIT, with a number for each lane (bloch_implicit.c)
-
    MpmBlochPhaseBeyond - the phase factor of what goes from particle j to the one whose place it has taken, for the cells in
    between.
 
@@ -213,6 +212,5 @@ static inline PetscReal *MpmBlochRow(const MpmBloch *b, PetscInt field)
 PetscErrorCode MpmBlochBegin(MpmBloch *b, PetscInt n, const PetscReal courant[], const PetscReal beta[], PetscInt steps,
                              PetscInt columns);
 void           MpmBlochSetStep(MpmBloch *b, PetscInt step);
-void MpmBlochRunStep(MpmBloch *b, PetscInt step, const PetscReal beta[], const MpmTaken *taken, PetscReal numbers[]);
-void MpmBlochImplicit(MpmBloch *b, const MpmOp *op, const PetscReal a[]);
+PetscErrorCode MpmBlochRunStep(MpmBloch *b, PetscInt step, const MpmTaken *taken, PetscReal numbers[]);
 double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], PetscInt j);

@@ -24,7 +24,8 @@ PetscErrorCode MpmBlocksFree(MpmBlocks *b)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt MpmBlocksAt(const MpmBlocks *b, const PetscInt d[])
+/* The block at a distance, or MPM_NONE. */
+static PetscInt BlockAt(const MpmBlocks *b, const PetscInt d[])
 {
   for (PetscInt k = 0; k < b->n; k++) {
     PetscBool same = PETSC_TRUE;
@@ -50,7 +51,7 @@ PetscErrorCode MpmBlocksCombine(PetscInt n, const MpmBlocks blocks[], const Pets
   for (PetscInt i = 0; i < n; i++)
     for (PetscInt k = 0; k < blocks[i].n; k++) {
       const PetscInt *d  = &blocks[i].d[sum->dim * k];
-      PetscInt        at = MpmBlocksAt(sum, d);
+      PetscInt        at = BlockAt(sum, d);
 
       if (at == MPM_NONE) {
         at = sum->n++;

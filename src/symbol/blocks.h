@@ -31,9 +31,6 @@ PetscErrorCode MpmBlocksFree(MpmBlocks *blocks);
 /* Not collective. The sum of n operators of one lattice, each times its weight. Free it with MpmBlocksFree. */
 PetscErrorCode MpmBlocksCombine(PetscInt n, const MpmBlocks blocks[], const PetscReal weight[], MpmBlocks *sum);
 
-/* Not collective. The block at a distance, or MPM_NONE. */
-PetscInt MpmBlocksAt(const MpmBlocks *blocks, const PetscInt d[]);
-
 /* Not collective. The blocks as a source of a symbol, which they must outlive. name: of their file, for messages. */
 PetscErrorCode MpmBlocksSource(const MpmBlocks *blocks, const char name[], MpmSource *source);
 

@@ -2,7 +2,7 @@
    Phases with the same amplification factors, and the one of them that is computed. docs/theory.md, section 4, says why these
    symmetries hold.
 */
-#include "symbol/phases.h"
+#include "symbol/source.h"
 #include "base/text.h"
 
 PetscErrorCode MpmPhasesText(PetscInt dim, const PetscInt each[], size_t room, char text[])

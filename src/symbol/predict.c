@@ -1,6 +1,5 @@
 /* The closed forms of the formulations, at the phases beta = 2 pi m / cells of a grid. */
-#include "linalg/hermitian.h"
-#include "linalg/small_qr.h"
+#include "linalg/small_eigen.h"
 #include "scene/layout.h"
 #include "symbol/predict.h"
 #include <math.h>
@@ -16,6 +15,19 @@ static const PetscInt MOST_PHASES[MPM_MAX_DIM] = {65536, 1024, 128};
 #define AGREE_IN_SPACE 1e-4
 #define NOTHING 1e-24 /* rounding alone may make a symbol of P2G G2P this large */
 #define REAL 1e-12    /* the largest imaginary part of theta that is rounding */
+
+/*
+   Along - the symbols of the maps along one direction, at a phase of that direction.
+
+   alpha, kappa, mu, lap - those of MpmCellSymbols in one dimension
+   chi   - the symbol of CURVE G2P, where particles are displaced and the slopes of the basis have slopes
+   nu    - the symbol of P2G GRAD with the slopes of the basis; mu has those of the gradient
+   theta - the symbol of P2G_AFFINE and the table's affine map after one another; it must be a real number (why_not)
+*/
+typedef struct {
+  PetscReal      alpha, kappa, lap;
+  double complex mu, nu, theta, chi;
+} Along;
 
 static const char *WhyNot(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts)
 {
@@ -84,6 +96,31 @@ static PetscInt Problems(const MpmPredictor *p)
   return HasStress(p) ? PetscMin(dim, numbers * MpmLayoutPpc(p->layout)) : 1;
 }
 
+/* The symbols along the directions can be kept, and taken together for many phases. */
+static Along AlongOf(const MpmPredictor *p, PetscInt axis, PetscReal beta)
+{
+  const MpmTies *ties  = &p->ties[axis];
+  Along          along = {.lap = 4 * PetscSqr(sin(beta / 2))};
+  double complex wave[MPM_MOST_SEEN];
+
+  MpmTiesWave(ties, beta, wave);
+  for (PetscInt j = 0; j < ties->n; j++) {
+    const double complex value = MpmTie(ties, p->at, MPM_P2G, j, wave);
+    const double complex slope = MpmTie(ties, p->at, GradientOf(p->scheme), j, wave);
+
+    along.alpha += creal(conj(value) * value) / ties->n;
+    along.kappa += creal(conj(slope) * slope) / ties->n;
+    along.mu += conj(value) * slope / ties->n;
+    if (IsCurved(p->scheme)) along.chi += conj(MpmTie(ties, p->at, CurveOf(p->scheme), j, wave)) * value / ties->n;
+    if (HasSlopes(p->scheme)) along.nu += conj(value) * MpmTie(ties, p->at, MPM_GRAD, j, wave) / ties->n;
+    if (p->scheme->table->affine != MPM_NONE)
+      along.theta += conj(MpmTie(ties, p->at, MPM_P2G_AFFINE, j, wave)) *
+                     MpmTie(ties, p->at, p->scheme->table->affine_map, j, wave) / ties->n;
+  }
+  if (along.alpha < NOTHING) along.alpha = 0;
+  return along;
+}
+
 /*
    With an affine part that is not a fit, theta is a real number where the particles of a cell are their own mirror image. A
    sum of few waves that is real at three phases is real at all.
@@ -92,7 +129,7 @@ static PetscBool ThetaIsReal(const MpmPredictor *p)
 {
   for (PetscInt a = 0; a < p->layout->dim; a++)
     for (int beta = 1; beta <= 3; beta++)
-      if (fabs(cimag(MpmPredictorAlong(p, a, beta).theta)) > REAL) return PETSC_FALSE;
+      if (fabs(cimag(AlongOf(p, a, beta).theta)) > REAL) return PETSC_FALSE;
   return PETSC_TRUE;
 }
 
@@ -168,32 +205,8 @@ PetscErrorCode MpmPredictorDestroy(MpmPredictor *p)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-MpmAlong MpmPredictorAlong(const MpmPredictor *p, PetscInt axis, PetscReal beta)
-{
-  const MpmTies *ties  = &p->ties[axis];
-  MpmAlong       along = {.lap = 4 * PetscSqr(sin(beta / 2))};
-  double complex wave[MPM_MOST_SEEN];
-
-  MpmTiesWave(ties, beta, wave);
-  for (PetscInt j = 0; j < ties->n; j++) {
-    const double complex value = MpmTie(ties, p->at, MPM_P2G, j, wave);
-    const double complex slope = MpmTie(ties, p->at, GradientOf(p->scheme), j, wave);
-
-    along.alpha += creal(conj(value) * value) / ties->n;
-    along.kappa += creal(conj(slope) * slope) / ties->n;
-    along.mu += conj(value) * slope / ties->n;
-    if (IsCurved(p->scheme)) along.chi += conj(MpmTie(ties, p->at, CurveOf(p->scheme), j, wave)) * value / ties->n;
-    if (HasSlopes(p->scheme)) along.nu += conj(value) * MpmTie(ties, p->at, MPM_GRAD, j, wave) / ties->n;
-    if (p->scheme->table->affine != MPM_NONE)
-      along.theta += conj(MpmTie(ties, p->at, MPM_P2G_AFFINE, j, wave)) *
-                     MpmTie(ties, p->at, p->scheme->table->affine_map, j, wave) / ties->n;
-  }
-  if (along.alpha < NOTHING) along.alpha = 0;
-  return along;
-}
-
 /* The product of alpha over the directions but a and b. */
-static PetscReal Others(const MpmPredictor *p, const MpmAlong along[], PetscInt a, PetscInt b)
+static PetscReal Others(const MpmPredictor *p, const Along along[], PetscInt a, PetscInt b)
 {
   PetscReal product = 1;
 
@@ -203,13 +216,13 @@ static PetscReal Others(const MpmPredictor *p, const MpmAlong along[], PetscInt 
 }
 
 /* The mean over a cell's particles of conj(symbol of DIV along a) times that of GRAD along b. */
-static double complex Slopes(const MpmPredictor *p, const MpmAlong along[], PetscInt a, PetscInt b)
+static double complex Slopes(const MpmPredictor *p, const Along along[], PetscInt a, PetscInt b)
 {
   return Others(p, along, a, b) * (a == b ? along[a].kappa : conj(along[a].mu) * along[b].mu);
 }
 
 /* K and its eigenvalues and vectors. In one dimension K is kappa, whatever Poisson's ratio is. */
-static void Stiffness(const MpmPredictor *p, const MpmAlong along[], PetscReal kappa[MPM_MAX_DIM],
+static void Stiffness(const MpmPredictor *p, const Along along[], PetscReal kappa[MPM_MAX_DIM],
                       double complex vector[MPM_MAX_DIM][MPM_MAX_DIM])
 {
   const PetscInt  dim = p->layout->dim;
@@ -229,7 +242,7 @@ static void Stiffness(const MpmPredictor *p, const MpmAlong along[], PetscReal k
 }
 
 /* The same of CURVE along a and b and of G2P. */
-static double complex Curves(const MpmPredictor *p, const MpmAlong along[], PetscInt a, PetscInt b)
+static double complex Curves(const MpmPredictor *p, const Along along[], PetscInt a, PetscInt b)
 {
   return Others(p, along, a, b) * (a == b ? along[a].chi : conj(along[a].mu) * conj(along[b].nu));
 }
@@ -238,7 +251,7 @@ static double complex Curves(const MpmPredictor *p, const MpmAlong along[], Pets
    The eigenvalues of the symbol of DIV STRESS GRAD + sigma0 CURVE G2P, the forces of strains and of displacements with a
    prestress. Source: docs/theory.md, section 9.
 */
-static PetscBool Prestressed(const MpmPredictor *p, const MpmAlong along[], double complex value[MPM_MAX_DIM])
+static PetscBool Prestressed(const MpmPredictor *p, const Along along[], double complex value[MPM_MAX_DIM])
 {
   const PetscInt  dim   = p->layout->dim;
   const MpmSpace *space = &p->scheme->space;
@@ -260,7 +273,7 @@ static PetscBool Prestressed(const MpmPredictor *p, const MpmAlong along[], doub
 }
 
 /* A motion that particles do not resist has a kappa of 0, of which rounding may make a little less. */
-PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], MpmCellSymbols cell[MPM_MAX_DIM])
+static PetscInt Together(const MpmPredictor *p, const Along along[], MpmCellSymbols cell[MPM_MAX_DIM])
 {
   const PetscInt  dim   = p->layout->dim;
   const MpmSpace *space = &p->scheme->space;
@@ -309,19 +322,19 @@ PetscInt MpmPredictorTogether(const MpmPredictor *p, const MpmAlong along[], Mpm
 
 PetscInt MpmPredictorSymbols(const MpmPredictor *p, const PetscReal beta[], MpmCellSymbols cell[MPM_MAX_DIM])
 {
-  MpmAlong along[MPM_MAX_DIM];
+  Along along[MPM_MAX_DIM];
 
-  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = MpmPredictorAlong(p, a, beta[a]);
-  return MpmPredictorTogether(p, along, cell);
+  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = AlongOf(p, a, beta[a]);
+  return Together(p, along, cell);
 }
 
 void MpmPredictorPolarisation(const MpmPredictor *p, const PetscReal beta[], PetscInt i, double complex vector[])
 {
-  MpmAlong       along[MPM_MAX_DIM];
+  Along          along[MPM_MAX_DIM];
   PetscReal      kappa[MPM_MAX_DIM];
   double complex vectors[MPM_MAX_DIM][MPM_MAX_DIM];
 
-  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = MpmPredictorAlong(p, a, beta[a]);
+  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = AlongOf(p, a, beta[a]);
   Stiffness(p, along, kappa, vectors);
   for (PetscInt a = 0; a < p->layout->dim; a++) vector[a] = vectors[i][a];
 }
@@ -332,10 +345,10 @@ PetscReal MpmPredictorPublished(const MpmPredictor *p, PetscReal courant, const 
 }
 
 /* The largest abs(G) of the problems, and of motions without resistance, with given symbols along the directions. */
-static PetscReal Largest(const MpmPredictor *p, PetscReal courant, const MpmAlong along[])
+static PetscReal Largest(const MpmPredictor *p, PetscReal courant, const Along along[])
 {
   MpmCellSymbols cell[MPM_MAX_DIM];
-  const PetscInt n       = MpmPredictorTogether(p, along, cell);
+  const PetscInt n       = Together(p, along, cell);
   PetscReal      largest = p->scheme->formulation->corrected(&cell[0], courant);
 
   for (PetscInt i = 1; i < n; i++) largest = fmax(largest, p->scheme->formulation->corrected(&cell[i], courant));
@@ -344,10 +357,10 @@ static PetscReal Largest(const MpmPredictor *p, PetscReal courant, const MpmAlon
 
 PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal courant, const PetscReal beta[])
 {
-  MpmAlong along[MPM_MAX_DIM];
+  Along along[MPM_MAX_DIM];
 
   if (p->why_not_corrected) return NAN;
-  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = MpmPredictorAlong(p, a, beta[a]);
+  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = AlongOf(p, a, beta[a]);
   return Largest(p, courant, along);
 }
 
@@ -368,15 +381,15 @@ static PetscErrorCode LargestOfAll(const MpmPredictor *p, PetscReal courant, Pet
 {
   PetscInt       phases[MPM_MAX_DIM];
   const PetscInt all = Phases(p->layout, phases), dim = p->layout->dim;
-  MpmAlong      *along[MPM_MAX_DIM];
+  Along         *along[MPM_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) {
     PetscCall(PetscMalloc1(phases[a], &along[a]));
-    for (PetscInt m = 0; m < phases[a]; m++) along[a][m] = MpmPredictorAlong(p, a, MpmSymbolPhase(m, phases[a]));
+    for (PetscInt m = 0; m < phases[a]; m++) along[a][m] = AlongOf(p, a, MpmSymbolPhase(m, phases[a]));
   }
   for (PetscInt m = 0; m < all; m++) {
-    MpmAlong at[MPM_MAX_DIM];
+    Along at[MPM_MAX_DIM];
 
     for (PetscInt a = 0, rest = m; a < dim; a++, rest /= phases[a - 1]) at[a] = along[a][rest % phases[a]];
     *largest = fmax(*largest, Largest(p, courant, at));

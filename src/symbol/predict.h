@@ -4,19 +4,6 @@
 #include <mpmstab/scene.h>
 #include <mpmstab/symbol.h>
 
-/*S
-   MpmAlong - the symbols of the maps along one direction, at a phase of that direction.
-
-   alpha, kappa, mu, lap - those of MpmCellSymbols in one dimension
-   chi   - the symbol of CURVE G2P, where particles are displaced and the slopes of the basis have slopes
-   nu    - the symbol of P2G GRAD with the slopes of the basis; mu has those of the gradient
-   theta - the symbol of P2G_AFFINE and the table's affine map after one another; it must be a real number (why_not)
-S*/
-typedef struct {
-  PetscReal      alpha, kappa, lap;
-  double complex mu, nu, theta, chi;
-} MpmAlong;
-
 /* Not collective. The corrected formula of a scheme as text. */
 const char *MpmPredictionText(const MpmScheme *scheme);
 
@@ -59,10 +46,7 @@ PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
    MpmPredictorSymbols - the symbols at a phase that the closed forms are functions of: those of each of the predictor's
    problems, the stiffest first. Returns how many there are.
 
-   MpmPredictorAlong, MpmPredictorTogether - the two halves of it. Symbols along the directions can be kept, and taken
-   together for many phases.
-
-   Not collective. The predictor must cover the case (why_not). beta and along have one entry for each direction.
+   Not collective. The predictor must cover the case (why_not). beta has one entry for each direction.
 
    With a stress a problem belongs to an eigenvector of
 
@@ -73,8 +57,6 @@ PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
    problem belongs to an eigenvector of DIV STRESS GRAD + sigma0 CURVE G2P; its chi is the eigenvalue, and kappa 0.
 */
 PetscInt MpmPredictorSymbols(const MpmPredictor *predictor, const PetscReal beta[], MpmCellSymbols cell[MPM_MAX_DIM]);
-MpmAlong MpmPredictorAlong(const MpmPredictor *predictor, PetscInt axis, PetscReal beta);
-PetscInt MpmPredictorTogether(const MpmPredictor *predictor, const MpmAlong along[], MpmCellSymbols cell[MPM_MAX_DIM]);
 
 /*
    MpmPredictorPolarisation - the nodal velocity of problem i at a phase: the eigenvector of K, of norm 1.

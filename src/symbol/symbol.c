@@ -5,7 +5,6 @@
 #include "base/memory.h"
 #include "base/progress.h"
 #include "linalg/small_eigen.h"
-#include "symbol/phases.h"
 #include "symbol/source.h"
 #include <mpmstab/errors.h>
 #include <mpmstab/symbol.h>

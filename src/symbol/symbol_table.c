@@ -3,9 +3,9 @@
    of amplification matrices.
 */
 #include "scene/layout.h"
-#include "symbol/bloch_nodal.h"
+#include "symbol/bloch_growth.h"
 #include "symbol/blocks.h"
-#include "symbol/phases.h"
+#include "symbol/source.h"
 #include <mpmstab/errors.h>
 
 #define MOST_SIZE 1536 /* the largest order of a matrix with all fields that a scheme may have */

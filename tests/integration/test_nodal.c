@@ -39,16 +39,12 @@ static PetscErrorCode MapOf(void *context, const MpmNodalMap *map, double comple
   Mat             P, W, matrix;
 
   PetscFunctionBegin;
-  if (map->to_nodes.kind == MPM_WALL) {
-    PetscCall(MpmWallSelection(maps->slab, map->to_nodes.axis, map->to_nodes.side, &matrix));
-  } else {
-    PetscCall(MpmMapsGet(maps, &map->to_nodes, &P));
-    if (map->product) {
-      PetscCall(MpmMapsGet(maps, &map->to_particles, &W));
-      PetscCall(MatMatMult(P, W, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &matrix));
-    } else
-      PetscCall(MatDuplicate(P, MAT_COPY_VALUES, &matrix));
-  }
+  PetscCall(MpmMapsGet(maps, &map->to_nodes, &P));
+  if (map->product) {
+    PetscCall(MpmMapsGet(maps, &map->to_particles, &W));
+    PetscCall(MatMatMult(P, W, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &matrix));
+  } else
+    PetscCall(MatDuplicate(P, MAT_COPY_VALUES, &matrix));
   PetscCall(DenseOf(matrix, &dense));
   PetscCall(PetscArraycpy(out, dense, maps->slab->nodes * maps->slab->nodes));
   PetscCall(PetscFree(dense));

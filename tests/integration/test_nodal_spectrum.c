@@ -7,8 +7,8 @@
 #include "analysis/ensemble.h"
 #include "analysis/leftmost.h"
 #include "base/hash.h"
-#include "linalg/eigen_reduced.h"
-#include "operator/nodal_matrix.h"
+#include "linalg/eigen.h"
+#include "operator/nodal.h"
 #include <mpmstab/critical.h>
 #include <slepcsys.h>
 

@@ -8,9 +8,9 @@
 #include "check.h"
 #include "base/hash.h"
 #include "linalg/dense.h"
-#include "linalg/eigen_reduced.h"
+#include "linalg/eigen.h"
 #include "march/march_private.h"
-#include "operator/nodal_matrix.h"
+#include "operator/nodal.h"
 #include "program/maps.h"
 #include "scene/layout.h"
 #include <mpmstab/step_bound.h>

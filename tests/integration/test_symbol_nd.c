@@ -6,7 +6,7 @@
 #include "symbols.h"
 #include "waves.h"
 #include "base/hash.h"
-#include "symbol/bloch_nodal.h"
+#include "symbol/bloch_growth.h"
 #include "symbol/predict.h"
 #include <mpmstab/verdict.h>
 

@@ -7,7 +7,7 @@
 #include "analysis/spectrum.h"
 #include "base/hash.h"
 #include "check.h"
-#include "operator/tangent_march.h"
+#include "operator/tangent.h"
 #include "oracle.h"
 #include "singular.h"
 #include <slepcsys.h>

@@ -9,7 +9,7 @@
 #include "scene/material.h"
 #include "analysis/pseudospectrum.h"
 #include "analysis/transient.h"
-#include "operator/nodal_matrix.h"
+#include "operator/nodal.h"
 #include <slepcsys.h>
 
 #define LAST 19

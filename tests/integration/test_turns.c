@@ -5,7 +5,7 @@
 */
 #include "waves.h"
 #include "base/hash.h"
-#include "symbol/bloch_gained.h"
+#include "symbol/bloch_growth.h"
 #include <mpmstab/verdict.h>
 
 /*

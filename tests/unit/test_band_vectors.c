@@ -4,7 +4,7 @@
 */
 #include "check.h"
 #include "base/hash.h"
-#include "linalg/band_vectors.h"
+#include "linalg/eigen_parts.h"
 #include "linalg/dense.h"
 
 #define N 300

@@ -5,7 +5,6 @@
 #include "check.h"
 #include "base/hash.h"
 #include "linalg/small_eigen.h"
-#include "linalg/small_qr.h"
 
 static double complex Random(PetscInt seed, PetscInt i)
 {

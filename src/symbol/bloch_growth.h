@@ -1,4 +1,61 @@
 /*
+   Growth of one Bloch mode by less than the matrix of a turn: at rest by the nodal operator, and where particles only gain from
+   nodes by the vectors that they gain.
+*/
+#pragma once
+#include "operator/nodal.h"
+#include "symbol/bloch.h"
+
+/*
+   The amplification factors of particles at rest without their null space: those of the nodal operator of one Bloch mode.
+   In two dimensions it has four numbers for a vector and a stress, whatever the number of particles in a cell is.
+*/
+
+/*S
+   MpmBlochNodal - the nodal operator of a table as a polynomial in the Courant number, at the present phase.
+
+   plan        - of the table
+   beta        - the present phase; NaN for none yet
+   coefficient - coefficient[j]: nimages x nimages by columns (MpmNodalRun)
+   rest, all   - the amplification factors of the null space of P2G, particle data that no node feels: rest of them are
+                 1, the others of all are factor; all is MPM_NONE where only the largest abs of them is known, factor
+S*/
+struct MpmBlochNodal_ {
+  MpmNodalPlan    *plan;
+  PetscReal        beta[MPM_MAX_DIM], factor;
+  double complex **coefficient;
+  PetscInt         rest, all;
+};
+
+/*
+   MpmBlochCountNull - counts the amplification factors of the null space of P2G: those of fields without filter (rest),
+   and of all. all is MPM_NONE where this is not known.
+
+   Not collective. b is at rest.
+*/
+void MpmBlochCountNull(const MpmBloch *bloch, PetscInt *rest, PetscInt *all, PetscReal *factor);
+
+/*
+   MpmBlochNodalCreate - NULL where it does not apply: one dimension, whose matrices are small, particles that drift,
+   tables without a plan, and layouts with so few particles that the nodes have more numbers than those (one particle with
+   a pressure gives its nodes a vector).
+
+   MpmBlochNodalFactors - the amplification factors of a phase but for the null space, plan->nimages of them. ok is false
+   where the QR steps have not converged or the numbers leave the range of doubles, and nothing is then set.
+
+   MpmBlochNodalGrowths - growth per step of a phase, with the null space and without it, which is NaN where it is not
+   known; ok as above.
+
+   Not collective.
+*/
+PetscErrorCode MpmBlochNodalCreate(const MpmBloch *bloch, MpmBlochNodal **nodal);
+PetscErrorCode MpmBlochNodalDestroy(MpmBlochNodal **nodal);
+PetscErrorCode MpmBlochNodalFactors(MpmBlochNodal *nodal, MpmBloch *bloch, PetscReal courant, const PetscReal beta[],
+                                    double complex value[], PetscBool *ok);
+PetscErrorCode MpmBlochNodalGrowths(MpmBlochNodal *nodal, MpmBloch *bloch, PetscReal courant, const PetscReal beta[],
+                                    PetscReal *growth, PetscReal *without_null, PetscBool *ok);
+
+/*
    The growth of particles that move and only gain from nodes, as with flip: a register is never multiplied, and all that is
    added to it comes from nodes. With y the numbers that nodes give in the steps of a turn, and U y what particles gain,
    the turn takes x to P (x + U y(x)). P puts particles in their new places. A few vectors v of the state that hold all
@@ -18,8 +75,6 @@
    where d are the kinds of weights along the moving directions, w what y gives along the others, and e_d numbers of the
    particles that differ along the moving directions. With the drift along x usl has 18 vectors e x w.
 */
-#pragma once
-#include "symbol/bloch.h"
 
 #define MPM_MAX_STILL 128 /* the most w */
 
@@ -55,12 +110,7 @@ struct MpmBlochGained_ {
 /*
    MpmBlochGainedCreate - NULL where particles do not only gain, or the matrix would be no smaller than that of the registers.
 
-   MpmBlochGainedGrowth - growth per step of a phase; ok is false, and growth is not set, where QR steps have not converged
-   or the numbers of a turn might leave the range of doubles.
-
    Not collective. drift has one fraction for each direction.
 */
 PetscErrorCode MpmBlochGainedCreate(const MpmBloch *bloch, const MpmFraction drift[], MpmBlochGained **gained);
 PetscErrorCode MpmBlochGainedDestroy(MpmBlochGained **gained);
-PetscErrorCode MpmBlochGainedGrowth(MpmBlochGained *gained, MpmBloch *bloch, PetscReal courant, const PetscReal beta[],
-                                    PetscReal *growth, PetscBool *ok);
