@@ -82,7 +82,7 @@ PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
 
   PetscFunctionBegin;
   if (!s->request->output[0] && !s->request->csv[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->scene) PetscCall(MpmModesCreate(s->op, s->eigen, &modes));
+  if (s->scene) PetscCall(MpmModesCreate(s->op, s->eigen, s->eigen->n, &modes));
   if (s->request->csv[0]) PetscCall(WriteCsv(s, &modes));
   if (s->request->output[0]) {
     PetscCall(MpmDataFileOpen(PetscObjectComm((PetscObject)s->op->A), s->scene, s->request, &file));

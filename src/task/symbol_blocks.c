@@ -1,6 +1,6 @@
 /* The task symbol for blocks from a file, or of a code that is probed: growth at equally spaced phases, and between them where it is largest. */
 #include "task/task.h"
-#include "analysis/worst_phase.h"
+#include "analysis/waves.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
 #include "probe/motion.h"

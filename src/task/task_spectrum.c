@@ -1,7 +1,7 @@
 /* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
 #include "task/expect.h"
 #include "probe/certificates.h"
-#include "analysis/frozen.h"
+#include "analysis/spectrum.h"
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "linalg/eigen.h"

@@ -3,7 +3,7 @@
 #include "report/results.h"
 #include "io/blocks_file.h"
 #include "io/symbol_files.h"
-#include "analysis/refined.h"
+#include "analysis/waves.h"
 #include "task/task.h"
 #include <math.h>
 
