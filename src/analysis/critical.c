@@ -289,6 +289,14 @@ static MpmCritical Nothing(PetscReal tolerance)
   return c;
 }
 
+/* Whether a Courant number is in a window of growth. */
+static PetscBool HasWindowAt(const MpmCritical *c, PetscReal courant)
+{
+  for (PetscInt i = 0; i < c->windows.n; i++)
+    if (courant >= c->windows.window[i].from && courant <= c->windows.window[i].to) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Searches as a strategy says, and for what is asked besides. */
 static PetscErrorCode Search(const MpmCriticalCase *of, const Strategy *s, PetscBool alone, MpmCritical *c)
 {
@@ -304,7 +312,7 @@ static PetscErrorCode Search(const MpmCriticalCase *of, const Strategy *s, Petsc
     PetscCall(Ask(of, c, beta));
     start.unstable = of->step.courant;
     if (s->again && c->asked.verdict == MPM_UNSTABLE && start.unstable < c->stable_at &&
-        !MpmCriticalHasWindowAt(c, start.unstable))
+        !HasWindowAt(c, start.unstable))
       PetscCall(s->find(of, &start, c));
     if (!MpmStepDrifts(&of->step)) PetscCall(WhenMoving(of, c));
   }

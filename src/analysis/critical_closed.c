@@ -13,10 +13,10 @@
 #define LEAST_BETA 2e-4 /* no waves longer than this: closed forms cancel there */
 #define LONG 1e-3       /* phases below this are of long waves; */
 #define FALLS 0.9       /* where their limit at twice the length is smaller by this factor it goes to 0 */
-#define BISECTIONS 40
-#define CLOSE 1e-6  /* relative distance from the limit at which the symbol is looked at, */
-#define FAR 1e-2    /* and the largest, where growth begins slowly */
-#define BEYOND 1e-5 /* relative distance from the limit within which growth should leave the tolerance */
+#define TOLERATED 1e-12 /* relative width of the bracket in which growth leaves the tolerance */
+#define CLOSE 1e-6      /* relative distance from the limit at which the symbol is looked at, */
+#define FAR 1e-2        /* and the largest, where growth begins slowly */
+#define BEYOND 1e-5     /* relative distance from the limit within which growth should leave the tolerance */
 
 /* A closed form, of, as a function of the phases. least: the least limit with growth beyond the tolerance so far. */
 typedef struct {
@@ -164,38 +164,42 @@ PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet)
 
 /* ---- where growth leaves the tolerance ---- */
 
-static PetscReal GrowthOf(const MpmPredictor *p, PetscReal courant, PetscInt n, const MpmCellSymbols cell[])
-{
-  PetscReal growth = 0;
+/* The problems of a phase. */
+typedef struct {
+  const MpmPredictor *predictor;
+  PetscInt            n;
+  MpmCellSymbols      cell[MPM_MAX_DIM];
+} Problems;
 
-  for (PetscInt i = 0; i < n; i++) growth = fmax(growth, p->scheme->formulation->corrected(&cell[i], courant));
-  return growth;
+static PetscErrorCode GrowthOf(void *context, PetscReal courant, PetscReal *growth)
+{
+  const Problems *p = (const Problems *)context;
+
+  PetscFunctionBegin;
+  *growth = 0;
+  for (PetscInt i = 0; i < p->n; i++)
+    *growth = fmax(*growth, p->predictor->scheme->formulation->corrected(&p->cell[i], courant));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-   The Courant number at which growth of a phase leaves the tolerance, by bisection. It is beyond the limit, so where
-   that is no less than the least one found so far it is not computed.
+   The Courant number at which growth of a phase leaves the tolerance. It is beyond the limit, so where that is no less than
+   the least one found so far it is not computed.
 */
 static PetscErrorCode ToleratedAt(void *context, const PetscReal beta[], PetscReal *courant)
 {
   Closed        *closed = (Closed *)context;
-  MpmCellSymbols cell[MPM_MAX_DIM];
-  const PetscInt n = MpmPredictorSymbols(closed->predictor, beta, cell);
+  Problems       p      = {.predictor = closed->predictor};
+  MpmSearchSteps steps  = {.to = MPM_CRITICAL_TO, .ratio = 2, .width = INFINITY};
   PetscReal      bracket[2];
 
   PetscFunctionBegin;
   PetscCall(LimitAt(context, beta, courant));
   if (!(*courant < closed->least)) PetscFunctionReturn(PETSC_SUCCESS);
-  bracket[0] = *courant;
-  bracket[1] = PetscMax(2 * bracket[0], MPM_CRITICAL_FROM);
-  while (bracket[1] < MPM_CRITICAL_TO && GrowthOf(closed->predictor, bracket[1], n, cell) <= 1 + closed->tolerance)
-    bracket[1] *= 2;
-  for (int i = 0; i < BISECTIONS; i++) {
-    const PetscReal middle = (bracket[0] + bracket[1]) / 2;
-
-    bracket[GrowthOf(closed->predictor, middle, n, cell) <= 1 + closed->tolerance ? 0 : 1] = middle;
-  }
-  *courant      = bracket[1];
+  p.n        = MpmPredictorSymbols(closed->predictor, beta, p.cell);
+  steps.from = PetscMax(2 * *courant, MPM_CRITICAL_FROM);
+  PetscCall(MpmSearchFirst(GrowthOf, &p, closed->tolerance, &steps, TOLERATED, bracket));
+  *courant      = PetscMin(bracket[1], MPM_CRITICAL_TO);
   closed->least = PetscMin(closed->least, *courant);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -217,14 +221,19 @@ static PetscErrorCode Tolerated(const MpmPredictor *predictor, PetscReal toleran
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Fading(const MpmPredictor *predictor, MpmCritical *c)
+/* The power with which growth fades where every Courant number grows. */
+static PetscErrorCode Fading(const MpmPredictor *predictor, MpmCritical *c)
 {
-  MpmCellSymbols cell[MPM_MAX_DIM];
-  const PetscInt n = MpmPredictorSymbols(predictor, c->beta, cell);
+  Problems  p = {.predictor = predictor};
+  PetscReal whole, half;
 
+  PetscFunctionBegin;
+  p.n = MpmPredictorSymbols(predictor, c->beta, p.cell);
+  PetscCall(GrowthOf(&p, c->unstable_at, &whole));
+  PetscCall(GrowthOf(&p, c->unstable_at / 2, &half));
   c->threshold = PETSC_FALSE;
-  c->fading =
-      log2((GrowthOf(predictor, c->unstable_at, n, cell) - 1) / (GrowthOf(predictor, c->unstable_at / 2, n, cell) - 1));
+  c->fading    = log2((whole - 1) / (half - 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- the limit at rest in two and three dimensions: that of the closed form, confirmed by the symbol ---- */
@@ -282,7 +291,7 @@ PetscErrorCode MpmCriticalSpaceAtRest(const MpmCriticalCase *of, const MpmCritic
   PetscCall(Tolerated(&predictor, of->tolerance, c, c->beta, &tolerated));
   if (isfinite(tolerated)) PetscCall(ConfirmAbove(of, tolerated, c));
   if (!start->alone) PetscCall(ConfirmBelow(of, c));
-  if (c->closed == 0 && isfinite(tolerated)) Fading(&predictor, c);
+  if (c->closed == 0 && isfinite(tolerated)) PetscCall(Fading(&predictor, c));
   if (c->disputed) c->courant = NAN;
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);

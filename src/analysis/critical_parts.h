@@ -78,20 +78,6 @@ PetscErrorCode MpmCriticalQuieten(const MpmCriticalCase *of, MpmCritical *c);
 */
 PetscInt MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
 
-/* Not collective. Leaves out the windows that are not below the limit, which refining has moved down. */
-static inline void MpmCriticalKeepBelow(MpmCritical *c)
-{
-  while (c->windows.n && c->windows.window[c->windows.n - 1].to > c->stable_at) c->windows.n--;
-}
-
-/* Not collective. Whether a Courant number is in a window of growth. */
-static inline PetscBool MpmCriticalHasWindowAt(const MpmCritical *c, PetscReal courant)
-{
-  for (PetscInt i = 0; i < c->windows.n; i++)
-    if (courant >= c->windows.window[i].from && courant <= c->windows.window[i].to) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* Not collective. The type of modes whose shares along beta are from least to most. */
 static inline MpmWaveType MpmCriticalWaveOf(PetscReal least, PetscReal most)
 {

@@ -272,6 +272,12 @@ static PetscErrorCode FindSample(Samples *s, const MpmCritical *axes, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Leaves out the windows that are not below the limit, which refining has moved down. */
+static void KeepBelow(MpmCritical *c)
+{
+  while (c->windows.n && c->windows.window[c->windows.n - 1].to > c->stable_at) c->windows.n--;
+}
+
 static PetscErrorCode Search(Samples *s, const MpmCriticalStart *start, MpmCritical *c)
 {
   const MpmCritical *axes       = s->axes;
@@ -293,7 +299,7 @@ static PetscErrorCode Search(Samples *s, const MpmCriticalStart *start, MpmCriti
     PetscCall(PetscArraycpy(c->beta, s->beta, s->zoom.dim));
     if (!c->windows.n) PetscCall(MpmSearchThreshold(GrowthThere, s, s->of->tolerance, 0, c));
   }
-  MpmCriticalKeepBelow(c);
+  KeepBelow(c);
   c->courant = c->threshold || MpmStepDrifts(&s->of->step) ? c->stable_at : 0;
   if (c->disputed) c->courant = NAN;
   PetscFunctionReturn(PETSC_SUCCESS);

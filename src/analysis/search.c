@@ -221,11 +221,6 @@ PetscReal MpmSearchPhase(PetscReal m)
   return PETSC_PI / 2 * (1 - cos(PETSC_PI * PetscMin(PetscMax(m, 0), MPM_CRITICAL_PHASES) / MPM_CRITICAL_PHASES));
 }
 
-PetscReal MpmSearchBeside(PetscReal beta, PetscReal d)
-{
-  return MpmSearchPhase(acos(1 - 2 * beta / PETSC_PI) / PETSC_PI * MPM_CRITICAL_PHASES + d);
-}
-
 /* ---- where growth may stop again ---- */
 
 /* Courant numbers that were looked at, from small to large. */

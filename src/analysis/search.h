@@ -64,11 +64,7 @@ PetscErrorCode MpmSearchLeast(MpmSearchFunction f, void *context, PetscInt steps
                               PetscReal *x, PetscReal *value);
 
 /*
-   Not collective.
-
-   MpmSearchPhase  - phase m of MPM_CRITICAL_PHASES in (0, pi]. They lie closer near 0 and pi, where instability may be
-                     confined to a narrow range of phases.
-   MpmSearchBeside - the phase d places after phase beta in this sequence
+   Not collective. Phase m of MPM_CRITICAL_PHASES in (0, pi]. They lie closer near 0 and pi, where instability may be confined to a
+   narrow range of phases.
 */
 PetscReal MpmSearchPhase(PetscReal m);
-PetscReal MpmSearchBeside(PetscReal beta, PetscReal d);

@@ -7,10 +7,10 @@
 #include "base/text.h"
 #include "linalg/eigen_reduced.h"
 #include "linalg/singular.h"
+#include "operator/nodal.h"
 #include "operator/nodal_matrix.h"
 #include "operator/tangent_march.h"
 #include "analysis/leftmost.h"
-#include "analysis/nodal_choice.h"
 #include "analysis/spectrum.h"
 #include <math.h>
 #include <sys/resource.h>
@@ -347,6 +347,36 @@ static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
   PetscCheck(!getrusage(RUSAGE_SELF, &usage), PETSC_COMM_SELF, PETSC_ERR_SYS, "getrusage failed");
   *bytes = 1024.0 * (PetscReal)usage.ru_maxrss;
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, bytes, 1, MPIU_REAL, MPI_SUM, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode WhyNotNodal(const MpmScene *scene, const MpmRequest *request, const char **why)
+{
+  PetscInt64    unknowns;
+  MpmNodalPlan *plan;
+
+  PetscFunctionBegin;
+  PetscCall(MpmNodalPlanCreate(scene->scheme.table, why, &plan));
+  PetscCall(MpmNodalPlanDestroy(&plan));
+  if (MpmSceneDrifts(scene))
+    *why = "particles move";
+  else if (!strcmp(request->task, "critical") && !MpmSymbolWhyNot(&scene->layout))
+    *why = "the limit of a uniform layout is that of its symbol";
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmNodalMatrixUnknowns(&scene->layout, &scene->scheme, &scene->step, &unknowns));
+  if (!unknowns) *why = "the nodes have as many unknowns as the particles";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNodalChoiceCheck(const MpmScene *scene, const MpmRequest *request)
+{
+  const char *why;
+
+  PetscFunctionBegin;
+  if (!request->nodal_asked) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WhyNotNodal(scene, request, &why));
+  MpmCheckInput(!why, "-nodal %s: nothing reads it in this scene: %s; allowed: without it",
+                request->nodal ? "true" : "false", why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
