@@ -140,8 +140,8 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
 
    Collective on PETSC_COMM_WORLD.
 
-   On uniform layouts in one dimension it uses the symbol. It finds the limit of each phase, and refines the least of them over all
-   phases by golden section, so that the result does not depend on the phases it began with. At rest it first scans for windows
+   On uniform layouts in one dimension it uses the symbol. It finds the limit of each phase, and goes on from the least of them
+   to phases beside it, so that the result does not depend on the phases it began with. At rest it first scans for windows
    of growth (MpmSearchScan), unless a closed form or a theorem says that there are none. Under drift windows of instability open where two amplification
    factors meet, and close again. So amplification factors are followed as the Courant number grows, and the places where
    two of them meet are solved for.

@@ -1,17 +1,26 @@
 /*
-   The largest stable Courant number: chooses how it is sought, and checks what was found. Files: critical_line_*.c in one
-   dimension, critical_space_*.c in two and three, critical_assembled*.c for what has no symbol, critical_closed.c for the
-   closed form.
+   The largest stable Courant number: chooses how it is sought, and checks what was found. Files: critical_line.c for one
+   dimension, critical_sampled.c for samples of the symbol, critical_assembled.c for what has no symbol, critical_closed.c for
+   the closed form.
 */
 #include "analysis/critical_parts.h"
 #include "analysis/leftmost.h"
+#include "analysis/lone.h"
+#include "analysis/modes.h"
 #include "analysis/waves.h"
+#include "base/progress.h"
+#include <mpmstab/errors.h>
+#include <mpmstab/symbol.h>
 #include <math.h>
 
 #define AGREE 1e-5        /* relative difference of closed form and search */
 #define BEYOND 0.01       /* relative distance above the limit at which growth is compared with that of rounding */
 #define BEYOND_LIMIT 1e-5 /* the same at which the type of a wave is looked at */
 #define GROWS 1e-12       /* smallest growth of one phase that is no rounding */
+#define NEARLY 0.9        /* modes whose growth is at least this part of the largest count as equally fast */
+#define STILL 1e-9        /* a mode whose nodal vector is smaller than this part of it does not move the nodes */
+
+const char *const MpmWaveTypeNames[] = {"", "P", "S", "mixed", "MpmWaveType", "MPM_WAVE_", NULL};
 
 /*S
    Strategy - how the limit of a case is sought. It is the first whose conditions hold, each of which may be ANY.
@@ -20,7 +29,6 @@
    theorem     - the theorem of docs/theory.md, section 5, says that what has become unstable stays so
    find        - finds it
    axes        - the limit of waves along the axes is found before
-   asks_first  - growth at the case's own Courant number is computed before, and its phase given to find
    again       - where that Courant number grows below the limit found, the search has missed the true limit, and goes
                  on down from there
 S*/
@@ -28,18 +36,18 @@ S*/
 typedef struct {
   int               symbol, line, drifts, closed, theorem;
   MpmCriticalSearch find;
-  PetscBool         axes, asks_first, again;
+  PetscBool         axes, again;
 } Strategy;
 
 /* The conditions of a closed form of a phase are linear in the square of the Courant number: what is unstable stays so. */
 static const Strategy strategies[] = {
-    {0, ANY, ANY, ANY, ANY, MpmCriticalAssembled, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE},
-    {1, 1, 1, ANY, ANY, MpmCriticalLineUnderDrift, PETSC_FALSE, PETSC_FALSE, PETSC_TRUE},
-    {1, 1, 0, 1, ANY, MpmCriticalLineAtRest, PETSC_FALSE, PETSC_FALSE, PETSC_TRUE},
-    {1, 1, 0, 0, 1, MpmCriticalLineAtRest, PETSC_FALSE, PETSC_FALSE, PETSC_TRUE},
-    {1, 1, 0, 0, 0, MpmCriticalLineScanned, PETSC_FALSE, PETSC_TRUE, PETSC_FALSE},
-    {1, 0, 0, 1, ANY, MpmCriticalSpaceAtRest, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE},
-    {1, 0, ANY, ANY, ANY, MpmCriticalSpaceSampled, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE},
+    {0, ANY, ANY, ANY, ANY, MpmCriticalAssembled, PETSC_FALSE, PETSC_FALSE},
+    {1, 1, 1, ANY, ANY, MpmCriticalLineUnderDrift, PETSC_FALSE, PETSC_TRUE},
+    {1, 1, 0, 1, ANY, MpmCriticalLineAtRest, PETSC_FALSE, PETSC_TRUE},
+    {1, 1, 0, 0, 1, MpmCriticalLineAtRest, PETSC_FALSE, PETSC_TRUE},
+    {1, 1, 0, 0, 0, MpmCriticalSampled, PETSC_FALSE, PETSC_TRUE},
+    {1, 0, 0, 1, ANY, MpmCriticalSpaceAtRest, PETSC_FALSE, PETSC_FALSE},
+    {1, 0, ANY, ANY, ANY, MpmCriticalSampled, PETSC_TRUE, PETSC_TRUE},
 };
 
 static PetscBool Fits(int condition, PetscBool is)
@@ -190,6 +198,80 @@ static PetscErrorCode Compare(const MpmCriticalCase *of, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- what particles do in the modes that limit: P waves, S waves or both ---- */
+
+/* What an operation sends of a mode to its node. */
+static double complex Sent(const MpmBloch *b, const MpmOp *op, const double complex mode[])
+{
+  double complex sum = 0;
+
+  for (PetscInt j = 0; j < b->ppc; j++) sum += conj(MpmBlochTie(b, op, j, NULL)) * mode[b->fields * j + op->src];
+  return sum;
+}
+
+/* A component of a mode's nodal vector: P2G of the particles', with that of the affine part. */
+static double complex NodalComponent(const MpmBloch *b, PetscInt particle, const double complex mode[])
+{
+  const MpmTable *table = b->scheme->table;
+  const MpmOp    *first = MpmTableSeenBy(table, particle);
+  double complex  sum   = Sent(b, first, mode);
+
+  for (const MpmOp *op = first + 1; op < table->ops + table->nops && op->kind == MPM_P2G_AFFINE; op++)
+    if (op->dst == first->dst) sum += Sent(b, op, mode);
+  return sum;
+}
+
+/* The share along beta of a mode's nodal vector; NaN for a mode that does not move the nodes. */
+static PetscReal ShareAlong(const MpmBloch *b, const double complex mode[], PetscInt vector, const PetscReal beta[])
+{
+  double complex along = 0;
+  PetscReal      all = 0, length = 0, size = 0;
+
+  for (PetscInt a = 0; a < b->layout->dim; a++) {
+    const double complex node = NodalComponent(b, vector + a, mode);
+
+    along += beta[a] * node;
+    all += PetscSqr(cabs(node));
+    length += PetscSqr(beta[a]);
+  }
+  for (PetscInt i = 0; i < b->size; i++) size += PetscSqr(cabs(mode[i]));
+  return all > PetscSqr(STILL) * size ? PetscSqr(cabs(along)) / (all * length) : NAN;
+}
+
+/* What particles do in the modes of a phase that grow most at a Courant number. */
+static PetscErrorCode Polarise(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[], MpmWaveType *wave)
+{
+  const PetscInt vector  = MpmModesVectorOf(of->scheme);
+  PetscReal      largest = 0, least = 1, most = 0, excess;
+  PetscInt       exponent;
+  MpmBloch       bloch;
+  MpmSmallEigen  whole;
+
+  PetscFunctionBegin;
+  *wave = MPM_WAVE_NONE;
+  if (vector == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmBlochCreate(of->layout, of->scheme, of->step.drift, &bloch));
+  PetscCall(MpmSmallEigenCreate(bloch.size, &whole));
+  PetscCall(MpmBlochMatrices(&bloch, 1, &courant, beta, PETSC_FALSE, whole.matrix, &exponent));
+  PetscCall(MpmSmallEigenSolve(&whole, PETSC_TRUE));
+  MpmBlochSetStep(&bloch, 0);
+  for (PetscInt i = 0; i < whole.n; i++) largest = fmax(largest, cabs(whole.value[i]));
+  excess = log(largest) + (PetscReal)exponent * M_LN2;
+  for (PetscInt i = 0; i < whole.n; i++) {
+    const PetscReal share = ShareAlong(&bloch, whole.right + whole.n * i, vector, beta);
+
+    if (log(cabs(whole.value[i])) + (PetscReal)exponent * M_LN2 < NEARLY * excess || isnan(share)) continue;
+    least = PetscMin(least, share);
+    most  = PetscMax(most, share);
+  }
+  if (excess > 0 && most >= least) *wave = MpmCriticalWaveOf(least, most);
+  PetscCall(MpmSmallEigenDestroy(&whole));
+  PetscCall(MpmBlochDestroy(&bloch));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- all of it ---- */
+
 static MpmCritical Nothing(PetscReal tolerance)
 {
   MpmCritical c = {.unstable_at     = INFINITY,
@@ -207,28 +289,35 @@ static MpmCritical Nothing(PetscReal tolerance)
   return c;
 }
 
+/* Whether a Courant number is in a window of growth. */
+static PetscBool HasWindowAt(const MpmCritical *c, PetscReal courant)
+{
+  for (PetscInt i = 0; i < c->windows.n; i++)
+    if (courant >= c->windows.window[i].from && courant <= c->windows.window[i].to) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Searches as a strategy says, and for what is asked besides. */
 static PetscErrorCode Search(const MpmCriticalCase *of, const Strategy *s, PetscBool alone, MpmCritical *c)
 {
   PetscReal        beta[MPM_MAX_DIM] = {NAN, NAN, NAN};
-  MpmCritical      axes              = {.evaluations = 0};
+  MpmCritical      axes              = {.unstable_at = INFINITY};
   MpmCriticalStart start             = {.alone = alone, .unstable = INFINITY, .beta = beta, .axes = &axes};
 
   PetscFunctionBegin;
-  if (s->asks_first && !alone) PetscCall(Ask(of, c, beta));
   if (s->axes) PetscCall(MpmCriticalAxes(of, MpmCriticalFind, &axes));
   c->evaluations += axes.evaluations;
   PetscCall(s->find(of, &start, c));
   if (!alone && !c->assembled) {
-    if (!s->asks_first) PetscCall(Ask(of, c, beta));
+    PetscCall(Ask(of, c, beta));
     start.unstable = of->step.courant;
     if (s->again && c->asked.verdict == MPM_UNSTABLE && start.unstable < c->stable_at &&
-        !MpmCriticalHasWindowAt(c, start.unstable))
+        !HasWindowAt(c, start.unstable))
       PetscCall(s->find(of, &start, c));
     if (!MpmStepDrifts(&of->step)) PetscCall(WhenMoving(of, c));
   }
   if (of->layout->dim > 1 && !c->assembled && isfinite(c->unstable_at))
-    PetscCall(MpmCriticalPolarise(of, c->unstable_at * (1 + BEYOND_LIMIT), c->beta, &c->wave));
+    PetscCall(Polarise(of, c->unstable_at * (1 + BEYOND_LIMIT), c->beta, &c->wave));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -275,5 +364,51 @@ PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCr
   else if (c->disputed)
     PetscCall(Dispute(c));
   c->seconds = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the limits of all schemes at one layout ---- */
+
+static PetscInt CountSchemes(void)
+{
+  PetscInt n = 0;
+
+  for (PetscInt f = 0; MpmFormulations[f]; f++)
+    for (PetscInt t = 0; MpmTransfers[t]; t++)
+      for (PetscInt b = 0; MpmBases[b]; b++) n += MpmSchemeCombines(MpmFormulations[f], MpmTransfers[t]);
+  return n;
+}
+
+PetscErrorCode MpmCriticalSurvey(const MpmCriticalCase *of, MpmCriticalRow row, void *context)
+{
+  const PetscInt  n      = CountSchemes();
+  MpmScheme       scheme = *of->scheme;
+  MpmCriticalCase each   = *of;
+  MpmCritical     critical;
+  MpmProgress     progress;
+  PetscInt        done = 0;
+
+  PetscFunctionBegin;
+  MpmCheckInput(!MpmSymbolWhyNot(of->layout),
+                "survey: %s; allowed: the same particles in every cell, and boundary periodic",
+                MpmSymbolWhyNot(of->layout));
+  each.scheme = &scheme;
+  PetscCall(MpmProgressBegin("scheme", &progress));
+  for (PetscInt f = 0; MpmFormulations[f]; f++) {
+    for (PetscInt t = 0; MpmTransfers[t]; t++) {
+      if (!MpmSchemeCombines(MpmFormulations[f], MpmTransfers[t])) continue;
+      for (PetscInt b = 0; MpmBases[b]; b++) {
+        scheme.formulation = MpmFormulations[f];
+        scheme.transfer    = MpmTransfers[t];
+        scheme.basis       = MpmBases[b];
+        PetscCall(MpmTableCreate(scheme.formulation, scheme.transfer, &scheme.numbers, &scheme.space, &scheme.table));
+        PetscCall(MpmCriticalFind(&each, PETSC_TRUE, &critical));
+        PetscCall(row(context, &scheme, &critical));
+        PetscCall(MpmTableDestroy(&scheme.table));
+        PetscCall(MpmProgressUpdate(&progress, ++done, n));
+      }
+    }
+  }
+  PetscCall(MpmProgressEnd(&progress));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,8 +1,12 @@
 /*
    The largest stable Courant number of an assembled operator, for what has no symbol: walls, random layouts, missing
-   particles.
+   particles, materials that vary.
+
+   Under drift the operator is a polynomial in the Courant number k, so a matrix at one k takes products of small dense
+   matrices instead of an assembly, and its eigenvalues can be followed as k grows (see follow.h).
 */
 #include "analysis/critical_parts.h"
+#include "analysis/follow.h"
 #include "analysis/leftmost.h"
 #include "analysis/modes.h"
 #include "march/march_private.h"
@@ -10,6 +14,7 @@
 #include "linalg/dense.h"
 #include "linalg/eigen.h"
 #include "operator/nodal.h"
+#include "operator/polynomial.h"
 #include <mpmstab/symbol.h>
 #include "base/progress.h"
 #include <math.h>
@@ -18,13 +23,17 @@
 #define RATIO 1.5        /* of Courant numbers, one over the other, at rest */
 #define DRIFT_WIDTH 0.02 /* largest step under drift where eigenvalues could not be followed */
 #define PRECISION 1e-7
-#define NEAR_LIMIT 1e-4 /* relative distance below the limit within which doubt does not matter */
-#define ALL_MANY                                                                                                       \
-  1000 /* unknowns beyond which the leftmost eigenvalue alone is sought where it decides: it takes a tenth of the time */
-#define SPARSE_MANY 5e7  /* numbers of a sparse matrix: some 4 GiB for the few that are held at once */
-#define MODE_ORDER 40000 /* largest order of which a mode is found by products */
-#define APART 16         /* times so far beyond the limit growth is looked at next */
-#define BEYOND 0.01      /* relative distance above the limit at which growth is compared with that of rounding */
+#define NEAR_LIMIT 1e-4   /* relative distance below the limit within which doubt does not matter */
+#define ALL_MANY 1000     /* unknowns beyond which the leftmost eigenvalue alone is sought where it decides: in a tenth of the time */
+#define SPARSE_MANY 5e7   /* numbers of a sparse matrix: some 4 GiB for the few that are held at once */
+#define MODE_ORDER 40000  /* largest order of which a mode is found by products */
+#define APART 16          /* times so far beyond the limit growth is looked at next */
+#define MOST_ORDER 100    /* unknowns: with more of them following takes minutes */
+#define MOST_WORK 4e11    /* multiplications in all */
+#define OF_EIGENVALUES 25 /* times the cube of the order: what all eigenvalues take */
+#define SMALL 20          /* added to the order: small matrices cost more than their multiplications */
+#define FEWEST 2000       /* places: where fewer can be afforded, following is not begun */
+#define BEYOND 0.01       /* relative distance above the limit at which growth is compared with that of rounding */
 
 typedef struct {
   const MpmCriticalCase *of;
@@ -167,7 +176,7 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
                                    &eigen));
   else
     PetscCall(MpmEigenSolve(op->balanced, NULL, MPM_EIGEN_DENSE, NULL, &eigen));
-  PetscCall(MpmModesCreateLeading(op, eigen, PetscMin(eigen->n, 1), &modes));
+  PetscCall(MpmModesCreate(op, eigen, PetscMin(eigen->n, 1), &modes));
   for (PetscInt a = 0; a <= MPM_MAX_DIM; a++) found[a] = NAN;
   if (modes.n) { /* the solver may find no vector even if it finds the growth */
     PetscCall(PetscArraycpy(found, modes.beta, modes.dim));
@@ -185,17 +194,82 @@ static PetscErrorCode LimitingMode(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   Follows the eigenvalues under drift. The result is not used where no growth was found up to the scene's own Courant
-   number although there is growth there: then something was missed.
-*/
+/* ---- under drift ---- */
+
+typedef struct {
+  MpmPolynomial polynomial;
+  PetscReal    *matrix, *re, *im;
+} Factors;
+
+static PetscErrorCode FactorsAt(void *context, PetscReal courant, double complex value[])
+{
+  Factors       *f = (Factors *)context;
+  const PetscInt n = f->polynomial.order;
+  PetscInt       exponent;
+  int            failed;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPolynomialMatrix(&f->polynomial, courant, f->matrix, &exponent));
+  for (PetscInt i = 0; i < n * n; i++) {
+    if (isfinite(f->matrix[i])) continue;
+    for (PetscInt j = 0; j < n; j++) value[j] = INFINITY;
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmDenseEigen(n, f->matrix, f->re, f->im, NULL, &failed));
+  PetscCheck(!failed, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
+  for (PetscInt i = 0; i < n; i++) value[i] = CMPLX(scalbn(f->re[i], (int)exponent), scalbn(f->im[i], (int)exponent));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What came of following to a Courant number. done: it got there or found growth, which is in the bracket (MpmFollowLine). */
+typedef struct {
+  PetscReal  to, bracket[2], doubtful;
+  PetscInt64 evaluations;
+  PetscBool  done;
+} Way;
+
+/* On one rank, with so many places to look at. */
+static PetscErrorCode FollowFactors(const MpmCriticalCase *of, PetscInt64 allowed, Way *way)
+{
+  Factors   factors;
+  MpmFollow follow;
+  PetscInt  n;
+  PetscReal from;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPolynomialCreate(of->layout, of->scheme, &of->step, &factors.polynomial));
+  n    = factors.polynomial.order;
+  from = PetscMin(MPM_CRITICAL_FROM * PetscMin(factors.polynomial.scale, 1), way->to / 2);
+  PetscCall(PetscMalloc3(n * n, &factors.matrix, n, &factors.re, n, &factors.im));
+  PetscCall(MpmFollowCreate(n, factors.polynomial.period, of->tolerance, FactorsAt, &factors, &follow));
+  follow.allowed = allowed;
+  PetscCall(MpmFollowFirst(&follow, from, from, way->to, way->bracket));
+  way->done        = isfinite(way->bracket[1]) || way->bracket[0] >= way->to ? PETSC_TRUE : PETSC_FALSE;
+  way->doubtful    = follow.doubtful;
+  way->evaluations = follow.evaluations;
+  PetscCall(MpmFollowDestroy(&follow));
+  PetscCall(PetscFree3(factors.matrix, factors.re, factors.im));
+  PetscCall(MpmPolynomialDestroy(&factors.polynomial));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The result is not used where no growth was found up to the scene's own Courant number although there is growth there. */
 static PetscErrorCode Follow(Probe *p, PetscReal to, PetscBool grows, MpmCritical *c)
 {
-  MpmCriticalWay way = {.to = to};
+  const MpmCriticalCase *of = p->of;
+  const PetscReal        n = (PetscReal)(of->scheme->table->nstate * of->layout->particles), size = n + SMALL;
+  Way                    way = {.to = to};
+  PetscInt               period;
+  PetscReal              allowed;
 
   PetscFunctionBegin;
   PetscCall(MpmProgressNote(&p->progress, "eigenvalues followed over Courant numbers"));
-  PetscCall(MpmCriticalFollow(p->of, &way));
+  PetscCall(MpmStepPeriod(&of->step, &period));
+  allowed = MOST_WORK / (size * size * size * (period + OF_EIGENVALUES));
+  if (n > MOST_ORDER || allowed < FEWEST) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmTableHas(of->scheme->table, MPM_IMPLICIT)) PetscFunctionReturn(PETSC_SUCCESS); /* it is no polynomial in k */
+  if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(FollowFactors(of, (PetscInt64)allowed, &way));
+  PetscCallMPI(MPI_Bcast(&way, sizeof way, MPI_BYTE, 0, PETSC_COMM_WORLD));
   p->evaluations += way.evaluations;
   if (!way.done || (grows && isinf(way.bracket[1]))) PetscFunctionReturn(PETSC_SUCCESS);
   c->followed    = PETSC_TRUE;
@@ -204,6 +278,8 @@ static PetscErrorCode Follow(Probe *p, PetscReal to, PetscBool grows, MpmCritica
   c->doubtful    = way.doubtful < c->stable_at * (1 - NEAR_LIMIT) ? way.doubtful : INFINITY;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ---- at rest ---- */
 
 /* The nodal operator at a Courant number on the unknowns k^weight z, where it is linear in k^stride. */
 static PetscErrorCode Weighted(const Probe *p, const MpmNodalPlan *plan, PetscReal courant, Mat *weighted)

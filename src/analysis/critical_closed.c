@@ -1,8 +1,10 @@
 /* The limit by the closed form, at rest: the least over all phases, and where growth by it leaves the tolerance. */
 #include "analysis/critical_parts.h"
+#include "analysis/lone.h"
+#include "analysis/waves.h"
 #include <math.h>
 
-#define PRECISION 1e-10 /* relative, in one dimension */
+#define PRECISION 1e-10 /* relative difference of second moments that is rounding */
 #define PLANE_POINTS 48 /* phases in (0, pi] of each direction with which the search by closed forms begins */
 #define SPACE_POINTS 16
 #define WEDGE_POINTS 24 /* the same in three dimensions where they are all alike */
@@ -11,8 +13,10 @@
 #define LEAST_BETA 2e-4 /* no waves longer than this: closed forms cancel there */
 #define LONG 1e-3       /* phases below this are of long waves; */
 #define FALLS 0.9       /* where their limit at twice the length is smaller by this factor it goes to 0 */
-#define BISECTIONS 40
-#define BEYOND 1e-5 /* relative distance from the limit within which growth should leave the tolerance */
+#define TOLERATED 1e-12 /* relative width of the bracket in which growth leaves the tolerance */
+#define CLOSE 1e-6      /* relative distance from the limit at which the symbol is looked at, */
+#define FAR 1e-2        /* and the largest, where growth begins slowly */
+#define BEYOND 1e-5     /* relative distance from the limit within which growth should leave the tolerance */
 
 /* A closed form, of, as a function of the phases. least: the least limit with growth beyond the tolerance so far. */
 typedef struct {
@@ -27,7 +31,8 @@ static MpmZoom ClosedZoom(const MpmPredictor *predictor)
   const MpmLayout  *layout            = predictor->layout;
   MpmZoom           zoom              = MpmZoomOf(layout, &predictor->scheme->space, rest);
 
-  zoom.points = layout->dim == 2                                             ? PLANE_POINTS
+  zoom.points = layout->dim == 1                                             ? MPM_CRITICAL_PHASES
+                : layout->dim == 2                                           ? PLANE_POINTS
                 : zoom.alike[1] == 0 && zoom.alike[2] == 0 && zoom.mirror[0] ? WEDGE_POINTS
                                                                              : SPACE_POINTS;
   zoom.starts = MPM_ZOOM_STARTS;
@@ -61,15 +66,8 @@ static PetscErrorCode LimitAt(void *context, const PetscReal beta[], PetscReal *
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode LimitOnLine(void *context, PetscReal beta, PetscReal *limit)
-{
-  PetscFunctionBegin;
-  PetscCall(LimitAt(context, &beta, limit));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The limits of long waves may go to 0 with beta (gas1 with xpic). Then the least one is 0, and at no phase. */
-static PetscErrorCode InSpace(Closed *closed, MpmCritical *c)
+static PetscErrorCode LeastLimit(Closed *closed, MpmCritical *c)
 {
   const MpmZoom zoom    = ClosedZoom(closed->predictor);
   PetscReal     largest = 0, beta[MPM_MAX_DIM], shorter;
@@ -83,27 +81,6 @@ static PetscErrorCode InSpace(Closed *closed, MpmCritical *c)
   if (!(largest < LONG)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(LimitAt(closed, beta, &shorter));
   if (c->closed < FALLS * shorter) c->closed = 0;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode OnLine(Closed *closed, MpmCritical *c)
-{
-  PetscReal limit, beta;
-
-  PetscFunctionBegin;
-  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0; m--) {
-    PetscCall(LimitOnLine(closed, MpmSearchPhase(m), &limit));
-    if (limit >= c->closed) continue;
-    c->closed         = limit;
-    c->closed_beta[0] = MpmSearchPhase(m);
-  }
-  if (!(c->closed > 0)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSearchLeast(LimitOnLine, closed, MPM_SEARCH_GOLDEN, MpmSearchBeside(c->closed_beta[0], -1),
-                           MpmSearchBeside(c->closed_beta[0], 1), &beta, &limit));
-  if (limit < c->closed * (1 - PRECISION)) {
-    c->closed         = limit;
-    c->closed_beta[0] = beta;
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -134,7 +111,7 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme 
   c->closed = NAN;
   if (!predictor.why_not && scheme->formulation->limit && scheme->formulation->corrected &&
       !MpmSpaceIsPrestressed(&scheme->space)) {
-    PetscCall(layout->dim == 1 ? OnLine(&closed, c) : InSpace(&closed, c));
+    PetscCall(LeastLimit(&closed, c));
     if (!isnan(c->closed)) KeepSymbols(&predictor, c);
   }
   PetscCall(MpmPredictorDestroy(&predictor));
@@ -178,7 +155,7 @@ PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet)
   for (; predictor.at < period; predictor.at++) {
     MpmCritical least = {.closed = NAN};
 
-    PetscCall(of->layout->dim == 1 ? OnLine(&closed, &least) : InSpace(&closed, &least));
+    PetscCall(LeastLimit(&closed, &least));
     *quiet = fmin(*quiet, least.closed);
   }
   PetscCall(MpmPredictorDestroy(&predictor));
@@ -187,45 +164,49 @@ PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet)
 
 /* ---- where growth leaves the tolerance ---- */
 
-static PetscReal GrowthOf(const MpmPredictor *p, PetscReal courant, PetscInt n, const MpmCellSymbols cell[])
-{
-  PetscReal growth = 0;
+/* The problems of a phase. */
+typedef struct {
+  const MpmPredictor *predictor;
+  PetscInt            n;
+  MpmCellSymbols      cell[MPM_MAX_DIM];
+} Problems;
 
-  for (PetscInt i = 0; i < n; i++) growth = fmax(growth, p->scheme->formulation->corrected(&cell[i], courant));
-  return growth;
+static PetscErrorCode GrowthOf(void *context, PetscReal courant, PetscReal *growth)
+{
+  const Problems *p = (const Problems *)context;
+
+  PetscFunctionBegin;
+  *growth = 0;
+  for (PetscInt i = 0; i < p->n; i++)
+    *growth = fmax(*growth, p->predictor->scheme->formulation->corrected(&p->cell[i], courant));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-   The Courant number at which growth of a phase leaves the tolerance, by bisection. It is beyond the limit, so where
-   that is no less than the least one found so far it is not computed.
+   The Courant number at which growth of a phase leaves the tolerance. It is beyond the limit, so where that is no less than
+   the least one found so far it is not computed.
 */
 static PetscErrorCode ToleratedAt(void *context, const PetscReal beta[], PetscReal *courant)
 {
   Closed        *closed = (Closed *)context;
-  MpmCellSymbols cell[MPM_MAX_DIM];
-  const PetscInt n = MpmPredictorSymbols(closed->predictor, beta, cell);
+  Problems       p      = {.predictor = closed->predictor};
+  MpmSearchSteps steps  = {.to = MPM_CRITICAL_TO, .ratio = 2, .width = INFINITY};
   PetscReal      bracket[2];
 
   PetscFunctionBegin;
   PetscCall(LimitAt(context, beta, courant));
   if (!(*courant < closed->least)) PetscFunctionReturn(PETSC_SUCCESS);
-  bracket[0] = *courant;
-  bracket[1] = PetscMax(2 * bracket[0], MPM_CRITICAL_FROM);
-  while (bracket[1] < MPM_CRITICAL_TO && GrowthOf(closed->predictor, bracket[1], n, cell) <= 1 + closed->tolerance)
-    bracket[1] *= 2;
-  for (int i = 0; i < BISECTIONS; i++) {
-    const PetscReal middle = (bracket[0] + bracket[1]) / 2;
-
-    bracket[GrowthOf(closed->predictor, middle, n, cell) <= 1 + closed->tolerance ? 0 : 1] = middle;
-  }
-  *courant      = bracket[1];
+  p.n        = MpmPredictorSymbols(closed->predictor, beta, p.cell);
+  steps.from = PetscMax(2 * *courant, MPM_CRITICAL_FROM);
+  PetscCall(MpmSearchFirst(GrowthOf, &p, closed->tolerance, &steps, TOLERATED, bracket));
+  *courant      = PetscMin(bracket[1], MPM_CRITICAL_TO);
   closed->least = PetscMin(closed->least, *courant);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Mostly it is at the limit itself. */
-PetscErrorCode MpmCriticalClosedTolerated(const MpmPredictor *predictor, PetscReal tolerance, const MpmCritical *c,
-                                          PetscReal beta[], PetscReal *courant)
+static PetscErrorCode Tolerated(const MpmPredictor *predictor, PetscReal tolerance, const MpmCritical *c,
+                                PetscReal beta[], PetscReal *courant)
 {
   const MpmZoom zoom   = ClosedZoom(predictor);
   Closed        closed = {
@@ -240,12 +221,78 @@ PetscErrorCode MpmCriticalClosedTolerated(const MpmPredictor *predictor, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-void MpmCriticalClosedFading(const MpmPredictor *predictor, MpmCritical *c)
+/* The power with which growth fades where every Courant number grows. */
+static PetscErrorCode Fading(const MpmPredictor *predictor, MpmCritical *c)
 {
-  MpmCellSymbols cell[MPM_MAX_DIM];
-  const PetscInt n = MpmPredictorSymbols(predictor, c->beta, cell);
+  Problems  p = {.predictor = predictor};
+  PetscReal whole, half;
 
+  PetscFunctionBegin;
+  p.n = MpmPredictorSymbols(predictor, c->beta, p.cell);
+  PetscCall(GrowthOf(&p, c->unstable_at, &whole));
+  PetscCall(GrowthOf(&p, c->unstable_at / 2, &half));
   c->threshold = PETSC_FALSE;
-  c->fading =
-      log2((GrowthOf(predictor, c->unstable_at, n, cell) - 1) / (GrowthOf(predictor, c->unstable_at / 2, n, cell) - 1));
+  c->fading    = log2((whole - 1) / (half - 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the limit at rest in two and three dimensions: that of the closed form, confirmed by the symbol ---- */
+
+/*
+   Compares growth by the symbol just below and just above the Courant number at which the closed form leaves the
+   tolerance, at the wave where it does. Where growth is slow the two are farther apart.
+*/
+static PetscErrorCode ConfirmAbove(const MpmCriticalCase *of, PetscReal courant, MpmCritical *c)
+{
+  MpmWaves  waves;
+  PetscReal growth[2], rounding;
+
+  PetscFunctionBegin;
+  c->disputed = PETSC_TRUE;
+  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &waves));
+  PetscCall(MpmWavesRounding(&waves, courant, c->beta, NAN, &rounding, NULL));
+  for (PetscReal beside = CLOSE; beside <= FAR * (1 + CLOSE) && c->disputed; beside *= 10) {
+    c->stable_at   = courant * (1 - beside);
+    c->unstable_at = courant * (1 + beside);
+    PetscCall(MpmWavesGrowth(&waves, c->stable_at, c->beta, &growth[0]));
+    PetscCall(MpmWavesGrowth(&waves, c->unstable_at, c->beta, &growth[1]));
+    if (growth[0] <= 1 + PetscMax(of->tolerance, rounding) && growth[1] > 1 + of->tolerance) c->disputed = PETSC_FALSE;
+  }
+  c->evaluations += waves.evaluations;
+  PetscCall(MpmWavesDestroy(&waves));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Looks for growth below the limit at other phases. */
+static PetscErrorCode ConfirmBelow(const MpmCriticalCase *of, MpmCritical *c)
+{
+  MpmCriticalCase below   = *of;
+  MpmFinding      finding = {0};
+  PetscReal       beta[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  below.step.courant = isfinite(c->stable_at) ? c->stable_at : MPM_CRITICAL_TO;
+  PetscCall(MpmCriticalSampleGrowth(&below, PETSC_FALSE, &finding, beta, &c->evaluations));
+  if (finding.growth > 1 + PetscMax(of->tolerance, finding.defective_error)) c->disputed = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalSpaceAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
+{
+  MpmPredictor predictor;
+  PetscReal    tolerated;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPredictorCreate(of->layout, of->scheme, PETSC_FALSE, &predictor));
+  c->order     = of->scheme->table->nstate * MpmLayoutPpc(of->layout);
+  c->phases    = MpmCriticalSamples(of->layout, of->scheme);
+  c->courant   = c->closed;
+  c->stable_at = c->unstable_at = INFINITY;
+  PetscCall(Tolerated(&predictor, of->tolerance, c, c->beta, &tolerated));
+  if (isfinite(tolerated)) PetscCall(ConfirmAbove(of, tolerated, c));
+  if (!start->alone) PetscCall(ConfirmBelow(of, c));
+  if (c->closed == 0 && isfinite(tolerated)) PetscCall(Fading(&predictor, c));
+  if (c->disputed) c->courant = NAN;
+  PetscCall(MpmPredictorDestroy(&predictor));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -19,9 +19,9 @@ typedef struct {
   const MpmCriticalCase *of;
   const MpmMach         *mach;
   MpmCriticalMach       *found;
-  PetscReal             *growth, *beta[MPM_MAX_DIM];
-  PetscInt              *verdict;
+  PetscReal             *numbers; /* growth, verdict and phases of each point */
 } Work;
+#define NUMBERS (2 + MPM_MAX_DIM)
 
 static int Compare(const void *a, const void *b)
 {
@@ -90,8 +90,9 @@ static PetscErrorCode Choose(const MpmCriticalCase *of, const MpmMach *mach, Mpm
 
 static PetscErrorCode Solve(void *context, PetscInt i)
 {
-  Work           *w  = (Work *)context;
-  MpmCriticalCase at = *w->of;
+  Work           *w       = (Work *)context;
+  PetscReal      *numbers = w->numbers + NUMBERS * i;
+  MpmCriticalCase at      = *w->of;
   MpmRefined      refined;
   MpmFinding      finding;
 
@@ -100,9 +101,9 @@ static PetscErrorCode Solve(void *context, PetscInt i)
   MpmMachDrift(w->mach, &w->found->points[i].part, at.step.drift);
   PetscCall(MpmRefinedGrowth(PETSC_COMM_SELF, at.layout, at.scheme, &at.step, PETSC_FALSE, &refined));
   PetscCall(MpmRefinedFinding(&refined, at.tolerance, &finding));
-  w->growth[i]  = refined.growth;
-  w->verdict[i] = finding.verdict;
-  for (PetscInt a = 0; a < at.layout->dim; a++) w->beta[a][i] = isnan(refined.beta[0]) ? 0 : refined.beta[a];
+  numbers[0] = refined.growth;
+  numbers[1] = finding.verdict;
+  for (PetscInt a = 0; a < at.layout->dim; a++) numbers[2 + a] = isnan(refined.beta[0]) ? 0 : refined.beta[a];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -111,21 +112,15 @@ static PetscErrorCode SolveAll(const MpmCriticalCase *of, const MpmMach *mach, M
   Work work = {.of = of, .mach = mach, .found = c};
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc2(c->n, &work.growth, c->n, &work.verdict));
-  for (PetscInt a = 0; a < of->layout->dim; a++) PetscCall(PetscCalloc1(c->n, &work.beta[a]));
+  PetscCall(PetscCalloc1(NUMBERS * c->n, &work.numbers));
   PetscCall(MpmFarm("Courant number", c->n, Solve, &work));
-  PetscCall(MpmFarmSumReals(c->n, work.growth));
-  PetscCall(MpmFarmSumInts(c->n, work.verdict));
-  for (PetscInt a = 0; a < of->layout->dim; a++) {
-    PetscCall(MpmFarmSumReals(c->n, work.beta[a]));
-    for (PetscInt i = 0; i < c->n; i++) c->points[i].beta[a] = work.beta[a][i];
-    PetscCall(PetscFree(work.beta[a]));
-  }
+  PetscCall(MpmFarmSumReals(NUMBERS * c->n, work.numbers));
   for (PetscInt i = 0; i < c->n; i++) {
-    c->points[i].growth  = work.growth[i];
-    c->points[i].verdict = work.verdict[i];
+    c->points[i].growth  = work.numbers[NUMBERS * i];
+    c->points[i].verdict = (PetscInt)work.numbers[NUMBERS * i + 1];
+    PetscCall(PetscArraycpy(c->points[i].beta, work.numbers + NUMBERS * i + 2, of->layout->dim));
   }
-  PetscCall(PetscFree2(work.growth, work.verdict));
+  PetscCall(PetscFree(work.numbers));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

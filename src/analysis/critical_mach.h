@@ -1,6 +1,6 @@
 /* Critical at a Mach number: growth at Courant numbers k whose drift M k is a fraction with a small denominator. */
 #pragma once
-#include "analysis/refined.h"
+#include "analysis/waves.h"
 #include "scene/mach.h"
 #include <mpmstab/critical.h>
 

@@ -26,18 +26,16 @@ typedef struct {
 
    MpmCriticalAssembled      - through all eigenvalues of the assembled operator, and growth at the case's Courant number
    MpmCriticalLineAtRest     - in one dimension, where a phase that has become unstable stays so
-   MpmCriticalLineScanned    - the same where it may not, with the windows of growth below the limit
-   MpmCriticalLineUnderDrift - the same for particles that move
+   MpmCriticalLineUnderDrift - in one dimension for particles that move
    MpmCriticalSpaceAtRest    - in two and three dimensions by the closed form, confirmed by the symbol
-   MpmCriticalSpaceSampled   - the same by samples of the symbol
+   MpmCriticalSampled        - by samples of the symbol, with the windows of growth below the limit at rest
 */
 typedef PetscErrorCode (*MpmCriticalSearch)(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
 PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
 PetscErrorCode MpmCriticalLineAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
-PetscErrorCode MpmCriticalLineScanned(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
 PetscErrorCode MpmCriticalLineUnderDrift(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
 PetscErrorCode MpmCriticalSpaceAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
-PetscErrorCode MpmCriticalSpaceSampled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
+PetscErrorCode MpmCriticalSampled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
 
 /*
    MpmCriticalAxes - the least limit of the waves along the axes, each of which find finds in one dimension. Infinite: there
@@ -60,19 +58,8 @@ PetscErrorCode MpmCriticalLineGrowth(const MpmCriticalCase *of, MpmFinding *find
 PetscErrorCode MpmCriticalSampleGrowth(const MpmCriticalCase *of, PetscBool uphill, MpmFinding *finding,
                                        PetscReal beta[], PetscInt64 *evaluations);
 
-/*
-   The closed form; the predictor must cover the case.
-
-   MpmCriticalClosedLimit     - the least limit of the problems of a phase
-   MpmCriticalClosedTolerated - where growth by it leaves the tolerance, and at which phases; infinite: nowhere
-   MpmCriticalClosedFading    - the power with which growth fades where every Courant number grows
-
-   Not collective.
-*/
-PetscReal      MpmCriticalClosedLimit(const MpmPredictor *predictor, const PetscReal beta[]);
-PetscErrorCode MpmCriticalClosedTolerated(const MpmPredictor *predictor, PetscReal tolerance,
-                                          const MpmCritical *critical, PetscReal beta[], PetscReal *courant);
-void           MpmCriticalClosedFading(const MpmPredictor *predictor, MpmCritical *critical);
+/* Not collective. The least limit of the problems of a phase by the closed form; the predictor must cover the case. */
+PetscReal MpmCriticalClosedLimit(const MpmPredictor *predictor, const PetscReal beta[]);
 
 /*
    MpmCriticalWhyNotQuiet - the condition of the theorem that does not hold; NULL: all hold. Not collective.
@@ -85,51 +72,11 @@ const char    *MpmCriticalWhyNotQuiet(const MpmCriticalCase *of);
 PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet);
 PetscErrorCode MpmCriticalQuieten(const MpmCriticalCase *of, MpmCritical *c);
 
-/* A search for the first window of growth by following eigenvalues, up to a Courant number; what came of it. */
-typedef struct {
-  PetscReal  to, bracket[2], doubtful;
-  PetscInt64 evaluations;
-  PetscBool  done;
-} MpmCriticalWay;
-
 /*
-   MpmCriticalFollow - follows the eigenvalues of the assembled operator upwards in the Courant number to way->to.
-
-   Collective on PETSC_COMM_WORLD; the first rank does the work. done: whether it got there or found growth, else the
-   operator is too large for that, or there was too much to look at. bracket: as of MpmFollowLine, where done.
+   Not collective. The number of phases in (0, pi] of each direction at which the symbol is taken: fewer where its matrices are
+   large.
 */
-PetscErrorCode MpmCriticalFollow(const MpmCriticalCase *of, MpmCriticalWay *way);
-
-/*
-   MpmCriticalPolarise - what particles do in the modes of a phase that grow most at a Courant number.
-   MpmCriticalSamples  - the number of phases in (0, pi] of each direction at which the symbol is taken: fewer where its
-                         matrices are large
-   MpmCriticalBound    - bound of MpmCritical, for particles at rest
-   MpmCriticalLoneBound - the same of schemes with a step_bound, from a lone particle at its worst place; 0: none is known
-   MpmCriticalSpread   - the least and the largest second moment D of the weights of a direction, over the places in a cell
-
-   Not collective.
-*/
-PetscErrorCode MpmCriticalPolarise(const MpmCriticalCase *of, PetscReal courant, const PetscReal beta[],
-                                   MpmWaveType *wave);
-PetscReal      MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme);
-PetscErrorCode MpmCriticalLoneBound(const MpmLayout *layout, const MpmScheme *scheme, PetscReal *bound);
-void           MpmCriticalSpread(const MpmBasis *basis, PetscReal half_width, PetscReal ends[2]);
-PetscInt       MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
-
-/* Not collective. Leaves out the windows that are not below the limit, which refining has moved down. */
-static inline void MpmCriticalKeepBelow(MpmCritical *c)
-{
-  while (c->windows.n && c->windows.window[c->windows.n - 1].to > c->stable_at) c->windows.n--;
-}
-
-/* Not collective. Whether a Courant number is in a window of growth. */
-static inline PetscBool MpmCriticalHasWindowAt(const MpmCritical *c, PetscReal courant)
-{
-  for (PetscInt i = 0; i < c->windows.n; i++)
-    if (courant >= c->windows.window[i].from && courant <= c->windows.window[i].to) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
+PetscInt MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
 
 /* Not collective. The type of modes whose shares along beta are from least to most. */
 static inline MpmWaveType MpmCriticalWaveOf(PetscReal least, PetscReal most)

@@ -4,7 +4,7 @@
 #include "linalg/eigen.h"
 #include "operator/nodal.h"
 #include "analysis/ensemble.h"
-#include "analysis/nodal_choice.h"
+#include "analysis/spectrum.h"
 #include "march/march_private.h"
 #include "scene/layout.h"
 #include <math.h>

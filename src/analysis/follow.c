@@ -95,6 +95,7 @@ static PetscReal LogLargest(PetscInt n, const double complex value[])
   return log(largest);
 }
 
+/* largest: the logarithm of the largest abs. */
 static PetscErrorCode GrowthAt(MpmFollow *f, PetscReal x, PetscReal *largest)
 {
   PetscFunctionBegin;
@@ -102,6 +103,29 @@ static PetscErrorCode GrowthAt(MpmFollow *f, PetscReal x, PetscReal *largest)
   f->evaluations++;
   *largest = LogLargest(f->n, f->beside);
   f->peak  = fmax(f->peak, *largest / f->period);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFollowGrowth(void *context, PetscReal x, PetscReal *growth)
+{
+  MpmFollow *f = (MpmFollow *)context;
+  PetscReal  largest;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthAt(f, x, &largest));
+  *growth = exp(largest / f->period);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Narrows a bracket, at whose ends growth is known. */
+static PetscErrorCode Narrow(MpmFollow *f, PetscReal bracket[2])
+{
+  const MpmSearchSteps steps = {
+      .from = bracket[0], .to = bracket[1], .ratio = INFINITY, .width = bracket[1] - bracket[0]};
+
+  PetscFunctionBegin;
+  PetscCall(MpmSearchFirst(MpmFollowGrowth, f, f->tolerance, &steps, PRECISION, bracket));
+  bracket[1] = fmin(bracket[1], steps.to);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -495,19 +519,6 @@ static PetscErrorCode LookBetween(MpmFollow *f, const MpmSample *a, const MpmSam
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Bisect(MpmFollow *f, PetscReal bracket[2])
-{
-  PetscFunctionBegin;
-  while (bracket[1] - bracket[0] > PRECISION * bracket[1]) {
-    const PetscReal x = (bracket[0] + bracket[1]) / 2;
-    PetscReal       largest;
-
-    PetscCall(GrowthAt(f, x, &largest));
-    bracket[largest <= f->most ? 0 : 1] = x;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Returns whether one of the eigenvalues that are not where they were predicted is so large that it might grow. */
 static PetscBool IsDoubtful(const MpmFollow *f, const MpmSample *a)
 {
@@ -558,7 +569,7 @@ PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscRe
     bracket[1] = f->hit;
     if (f->evaluations > f->allowed && isinf(f->hit)) PetscFunctionReturn(PETSC_SUCCESS);
     if (isfinite(f->hit)) {
-      PetscCall(Bisect(f, bracket));
+      PetscCall(Narrow(f, bracket));
       PetscFunctionReturn(PETSC_SUCCESS);
     }
     h = b->x - a->x;
@@ -566,19 +577,6 @@ PetscErrorCode MpmFollowLine(MpmFollow *f, PetscReal from, PetscReal to, PetscRe
     b = kept;
   }
   bracket[0] = to;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmFollowGrowth(void *context, PetscReal x, PetscReal *growth)
-{
-  MpmFollow *f       = (MpmFollow *)context;
-  PetscReal  largest = 0;
-
-  PetscFunctionBegin;
-  PetscCall(f->at(f->context, x, f->beside));
-  f->evaluations++;
-  for (PetscInt i = 0; i < f->n; i++) largest = fmax(largest, cabs(f->beside[i]));
-  *growth = MpmGrowthPerStep(largest, 0, f->period);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

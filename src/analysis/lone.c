@@ -1,15 +1,41 @@
-/* The limit of a lone particle, from the weights of one direction at its worst place. */
+/*
+   What the weights of one direction say of every layout: the limit of a lone particle, and Courant numbers up to which a scheme
+   is stable on every layout of particles that are alike.
+
+   Of MLS-MPM: k <= 2 sqrt(D / chi), with chi = 1 + (d - 1) nu / (1 - nu) and D = sum_i phi_ip (x_i - x_p)^2, the least over the
+   places that particles may have. With F, S and A the operators on the nodes, of P2G G2P with the affine part, of DIV STRESS
+   GRAD and of P2G G2P, a step is stable where S <= 2 (1 + F), and S <= k^2 chi / D (F - A).
+
+   Of schemes with a step_bound w: k <= w / sqrt(lambda), and lambda is at most that of a lone particle at its worst place,
+   chi times the largest sum_i (phi_i')^2 / phi_i of a direction. docs/theory.md, section 4.
+*/
 #include "analysis/lone.h"
 #include "analysis/search.h"
 #include "linalg/small_eigen.h"
 #include "scheme/maps.h"
 #include <math.h>
 
-#define PLACES 64     /* in a cell, at which H is taken first */
+#define PLACES 64     /* in a cell, at which H is taken first, and D */
 #define UNBOUNDED 1e6 /* H comes near so much only where it has no bound */
 #define SAME 1e-9     /* relative difference of H that is rounding */
 #define BESIDE 1e-6   /* distance from the place at which a jump shows */
 #define A_JUMP 0.01   /* relative */
+#define BELOW 1e-8    /* relative: a largest sum that is sought may be a little less than it is */
+#define NONE 1e-9     /* hats have D = 0 on a node */
+
+/*
+   The largest H = sum_i g_i^2 / phi_i over the places of a particle in its cell, along one direction. g are
+   the weights of GRAD, and the sum is over the nodes that have mass. With gradient mls H is 1 / D.
+
+   largest    - its value; infinite: it has no bound
+   place      - where it is, in [0, 1); NaN: it is the same everywhere
+   approached - it is a limit at place from one side, and not the value there
+   fits       - g = phi r / D everywhere, as gradient mls has it and hats have it by themselves
+*/
+typedef struct {
+  PetscReal largest, place;
+  PetscBool approached, fits;
+} Steepest;
 
 typedef struct {
   const MpmBasis *basis;
@@ -38,7 +64,7 @@ static PetscErrorCode Compliance(void *context, PetscReal place, PetscReal *valu
 }
 
 /* Whether H is less at the place than next to it, or on one side of it. */
-static PetscBool Jumps(const Weights *w, const MpmSlope *slope)
+static PetscBool Jumps(const Weights *w, const Steepest *slope)
 {
   for (int side = -1; side <= 1; side++)
     if (Slope(w, slope->place + side * BESIDE) < slope->largest * (1 - A_JUMP)) return PETSC_TRUE;
@@ -57,7 +83,7 @@ static PetscBool Loses(const MpmBasis *basis, MpmGradient gradient, PetscReal ha
   return PETSC_FALSE;
 }
 
-PetscErrorCode MpmSlopeFind(const MpmBasis *basis, MpmGradient gradient, PetscReal half_width, MpmSlope *slope)
+static PetscErrorCode Steepness(const MpmBasis *basis, MpmGradient gradient, PetscReal half_width, Steepest *slope)
 {
   const PetscBool mls    = gradient == MPM_GRADIENT_MLS ? PETSC_TRUE : PETSC_FALSE;
   Weights         w      = {.basis = basis, .kind = mls ? MPM_GRAD_MLS : MPM_GRAD, .half_width = half_width};
@@ -65,7 +91,7 @@ PetscErrorCode MpmSlopeFind(const MpmBasis *basis, MpmGradient gradient, PetscRe
   PetscReal       least  = INFINITY, inverse;
 
   PetscFunctionBegin;
-  *slope = (MpmSlope){.fits = PETSC_TRUE};
+  *slope = (Steepest){.fits = PETSC_TRUE};
   /* between the nodes and beside them: on a node hats have no D */
   for (int j = 0; j < PLACES; j++) {
     const PetscReal place = (j + 0.5) / PLACES, here = Slope(&w, place);
@@ -123,9 +149,9 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
                                  ? PETSC_TRUE
                                  : PETSC_FALSE};
   for (PetscInt a = 0; a < layout->dim; a++) {
-    MpmSlope slope;
+    Steepest slope;
 
-    PetscCall(MpmSlopeFind(scheme->basis, scheme->space.gradient, layout->half_width[a], &slope));
+    PetscCall(Steepness(scheme->basis, scheme->space.gradient, layout->half_width[a], &slope));
     if (affine && !slope.fits) lone->known = PETSC_FALSE;
     if (slope.approached) lone->approached = PETSC_TRUE;
     if (isinf(slope.largest)) bounded = PETSC_FALSE;
@@ -147,5 +173,74 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
     lone->courant = 0;
     lone->growth  = INFINITY;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- bounds for every layout ---- */
+
+void MpmCriticalSpread(const MpmBasis *basis, PetscReal half_width, PetscReal ends[2])
+{
+  ends[0] = INFINITY;
+  ends[1] = 0;
+  for (int place = 0; place < PLACES; place++) {
+    const PetscReal xi = (PetscReal)place / PLACES;
+    PetscReal       row[MPM_MAX_REACH], spread = 0;
+
+    MpmMapRow(basis, MPM_G2P, xi, half_width, MpmNoWalls, row);
+    for (PetscInt d = 0; d < MpmMapReach(basis); d++) spread += row[d] * PetscSqr(d - basis->reach_left - xi);
+    ends[0] = PetscMin(ends[0], spread);
+    ends[1] = PetscMax(ends[1], spread);
+  }
+}
+
+/* chi: how much stiffer particles are against strains in all directions than in one. */
+static PetscReal Chi(PetscInt dim, const MpmSpace *space)
+{
+  return dim > 1 ? 1 + (PetscReal)(dim - 1) * space->poisson / (1 - space->poisson) : 1;
+}
+
+/* Whether a bound of any layout may hold for a scheme and these particles. */
+static PetscBool MayHold(const MpmLayout *layout, const MpmScheme *scheme)
+{
+  return !MpmSpaceIsPrestressed(&scheme->space) && !MpmSpaceIsDamped(&scheme->space) &&
+                 layout->material.kind == MPM_MATERIAL_UNIFORM && !MpmBasisIsAltered(scheme->basis) &&
+                 !(layout->given && (layout->given->has[1] || layout->given->has[2]))
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+PetscReal MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme)
+{
+  const MpmSpace *space = &scheme->space;
+  PetscReal       least = INFINITY, spread[2];
+
+  if (!MayHold(layout, scheme) || !scheme->formulation->mls_bound || !scheme->transfer->mls_bound ||
+      space->gradient != MPM_GRADIENT_MLS)
+    return 0;
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    MpmCriticalSpread(scheme->basis, layout->half_width[a], spread);
+    least = PetscMin(least, spread[0]);
+  }
+  return least > NONE ? 2 * sqrt(least / Chi(layout->dim, space)) : 0;
+}
+
+PetscErrorCode MpmCriticalLoneBound(const MpmLayout *layout, const MpmScheme *scheme, PetscReal *bound)
+{
+  const MpmFormulation *f        = scheme->formulation;
+  const PetscReal       w        = f->step_bound ? f->step_bound(&scheme->numbers, scheme->transfer) : 0;
+  PetscReal             steepest = 0;
+
+  PetscFunctionBegin;
+  *bound = 0;
+  if (!(w > 0) || isinf(w) || scheme->basis->hat || !MayHold(layout, scheme) ||
+      scheme->space.gradient != MPM_GRADIENT_BASIS || scheme->space.displaced || scheme->space.finite)
+    PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < layout->dim; a++) {
+    Steepest slope;
+
+    PetscCall(Steepness(scheme->basis, MPM_GRADIENT_BASIS, layout->half_width[a], &slope));
+    steepest = PetscMax(steepest, slope.largest);
+  }
+  *bound = (1 - BELOW) * w / sqrt(Chi(layout->dim, &scheme->space) * steepest);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,24 +1,10 @@
-/* A lone particle: the largest stable Courant number of one particle without neighbours, in closed form. */
+/*
+   A lone particle: the largest stable Courant number of one particle without neighbours, in closed form; and bounds that hold for
+   every layout.
+*/
 #pragma once
 #include <mpmstab/layout.h>
 #include <mpmstab/scheme.h>
-
-/*S
-   MpmSlope - the largest H = sum_i g_i^2 / phi_i over the places of a particle in its cell, along one direction. g are
-   the weights of GRAD, and the sum is over the nodes that have mass. With gradient mls H is 1 / D.
-
-   largest    - its value; infinite: it has no bound
-   place      - where it is, in [0, 1); NaN: it is the same everywhere
-   approached - it is a limit at place from one side, and not the value there
-   fits       - g = phi r / D everywhere, as gradient mls has it and hats have it by themselves
-S*/
-typedef struct {
-  PetscReal largest, place;
-  PetscBool approached, fits;
-} MpmSlope;
-
-/* Not collective. half_width: of a particle, in cells. */
-PetscErrorCode MpmSlopeFind(const MpmBasis *basis, MpmGradient gradient, PetscReal half_width, MpmSlope *slope);
 
 /*S
    MpmLone - the limit of a lone particle at rest, over all places in its cell.
@@ -56,3 +42,14 @@ typedef struct {
    stress.
 */
 PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, PetscReal courant, MpmLone *lone);
+
+/*
+   MpmCriticalBound     - bound of MpmCritical, for particles at rest
+   MpmCriticalLoneBound - the same of schemes with a step_bound, from a lone particle at its worst place; 0: none is known
+   MpmCriticalSpread    - the least and the largest second moment D of the weights of a direction, over the places in a cell
+
+   Not collective.
+*/
+PetscReal      MpmCriticalBound(const MpmLayout *layout, const MpmScheme *scheme);
+PetscErrorCode MpmCriticalLoneBound(const MpmLayout *layout, const MpmScheme *scheme, PetscReal *bound);
+void           MpmCriticalSpread(const MpmBasis *basis, PetscReal half_width, PetscReal ends[2]);

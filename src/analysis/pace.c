@@ -183,8 +183,7 @@ PetscBool MpmPaceIsOver(const MpmPace *pace, const MpmMarch *march)
   return march->elapsed >= pace->end * (1 - SAME_TIME) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* The largest speeds of waves and of particles along an axis, over c, and the squares of the speeds of waves at all. */
-static PetscErrorCode LargestSpeeds(const MpmMarch *march, PetscReal **moduli, PetscReal speed[2])
+PetscErrorCode MpmPaceSpeeds(const MpmMarch *march, PetscReal **moduli, PetscReal speed[2])
 {
   const MpmTable  *t   = march->scheme->table;
   const PetscInt   dim = t->dim, components = MpmTableStretches(t), n = march->particles->count;
@@ -213,6 +212,17 @@ static PetscErrorCode LargestSpeeds(const MpmMarch *march, PetscReal **moduli, P
   }
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, speed, 2, MPIU_REAL, MPI_MAX, PetscObjectComm((PetscObject)march->grid->da)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Speeds(MpmPace *pace, const MpmMarch *march)
+{
+  PetscReal speed[2];
+
+  PetscFunctionBegin;
+  PetscCall(MpmPaceSpeeds(march, &pace->moduli, speed));
+  pace->fastest = speed[0];
+  pace->motion  = speed[1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -288,17 +298,6 @@ static PetscBool IsOld(const MpmPace *pace, const MpmMarch *march)
                  pace->fastest * FADES < h->waves
              ? PETSC_TRUE
              : PETSC_FALSE;
-}
-
-static PetscErrorCode Speeds(MpmPace *pace, const MpmMarch *march)
-{
-  PetscReal speed[2];
-
-  PetscFunctionBegin;
-  PetscCall(LargestSpeeds(march, &pace->moduli, speed));
-  pace->fastest = speed[0];
-  pace->motion  = speed[1];
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *request)

@@ -94,6 +94,14 @@ PetscErrorCode MpmPaceCreate(const MpmScene *scene, const MpmRequest *request, M
 PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *request);
 PetscErrorCode MpmPaceDestroy(MpmPace **pace);
 
+/*
+   MpmPaceSpeeds - the largest speeds of waves and of particles along an axis, over c. moduli: the squares of the speeds of waves at
+   this rank's particles, for PetscFree; what it held before is freed.
+
+   Collective.
+*/
+PetscErrorCode MpmPaceSpeeds(const MpmMarch *march, PetscReal **moduli, PetscReal speed[2]);
+
 /* Not collective. What gave K at the last look: a bound or, without one, where particles are. */
 const char *MpmPaceLimitName(const MpmPace *pace);
 

@@ -13,7 +13,7 @@
 */
 #include "analysis/patch.h"
 #include "analysis/search.h"
-#include "analysis/patch_search.h"
+#include "analysis/patch_lattice.h"
 #include "base/farm.h"
 #include <math.h>
 
@@ -44,8 +44,7 @@ typedef struct {
   PetscInt        surfaces, shallow;  /* shallow: the depth at which growth is looked at first */
   PetscReal       courant, tolerance; /* courant: at which growth is sought or checked */
   PetscReal       worst;              /* growth below a limit */
-  PetscReal       least;              /* value on faces, of this rank's spots */
-  PetscInt        least_at;           /* its spot of the grid */
+  PetscReal      *face;               /* values on faces, by spot of the grid */
 } Patch;
 
 /* Whether it is an edge in one dimension, where deep lattices cost little. */
@@ -194,16 +193,12 @@ static PetscErrorCode FacePart(void *context, PetscInt i)
 {
   Patch       *p = (Patch *)context;
   MpmPatchSpot spot;
-  PetscReal    value;
 
   PetscFunctionBegin;
+  p->face[i] = INFINITY;
   if (!MpmPatchGridSpot(&p->search, i, &spot) || !AtMargin(&p->lattice, &spot)) PetscFunctionReturn(PETSC_SUCCESS);
   spot = Move(&p->lattice, &spot, 0);
-  PetscCall(p->search.f(p, &spot, &value));
-  if (value < p->least || (value == p->least && i < p->least_at)) {
-    p->least    = value;
-    p->least_at = i;
-  }
+  PetscCall(p->search.f(p, &spot, &p->face[i]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -212,18 +207,21 @@ static PetscErrorCode Least(Patch *p, MpmPatchSpot *spot, PetscReal *value)
 {
   const PetscInt size = MpmPatchGridSize(&p->search);
   MpmPatchSpot   face;
-  PetscReal      least, there;
-  PetscInt       at;
+  PetscReal      least = INFINITY, there;
+  PetscInt       at    = size;
 
   PetscFunctionBegin;
   PetscCall(MpmPatchLeast(&p->search, spot, value));
   p->lattice.depth = p->search.coarse;
-  p->least         = INFINITY;
-  p->least_at      = size;
+  PetscCall(PetscCalloc1(size, &p->face));
   PetscCall(MpmFarm("place", size, FacePart, p));
-  PetscCallMPI(MPI_Allreduce(&p->least, &least, 1, MPIU_REAL, MPI_MIN, PETSC_COMM_WORLD));
-  at = p->least == least ? p->least_at : size;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &at, 1, MPIU_INT, MPI_MIN, PETSC_COMM_WORLD));
+  PetscCall(MpmFarmSumReals(size, p->face));
+  for (PetscInt i = 0; i < size; i++) {
+    if (!(p->face[i] < least)) continue;
+    least = p->face[i];
+    at    = i;
+  }
+  PetscCall(PetscFree(p->face));
   p->lattice.depth = p->search.fine;
   if (at == size) PetscFunctionReturn(PETSC_SUCCESS);
   (void)MpmPatchGridSpot(&p->search, at, &face);

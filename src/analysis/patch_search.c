@@ -2,7 +2,7 @@
    The least value over places and phases. A point has, for each direction, a panel and a place s in it, or a place s in
    the spacing and a phase. Panels are not left: their neighbours have starts of their own.
 */
-#include "analysis/patch_search.h"
+#include "analysis/patch_lattice.h"
 #include "base/farm.h"
 #include <math.h>
 

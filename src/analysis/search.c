@@ -13,6 +13,9 @@
 #define MOST 192    /* Courant numbers that are looked at in all, before ends are bisected */
 #define NARROW 1e-4 /* relative precision of the ends of a window */
 
+#define BEYOND 0.03 /* of the distance to the crossing that is expected, by which it is passed */
+#define PATIENCE 2  /* evaluations in which the bracket should become half as wide */
+
 /* Growth as a function of the Courant number, and what counts as growth. */
 typedef struct {
   MpmSearchGrowth growth;
@@ -35,20 +38,111 @@ static PetscErrorCode Bisect(const Sought *s, PetscReal precision, PetscReal *st
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- the first growth, from few evaluations ---- */
+
+/* A stable value lo and the unstable ones above it, the nearest first; n of them are known, with growth - 1. */
+typedef struct {
+  PetscReal lo, at[3], excess[3];
+  PetscInt  n;
+} Bracket;
+
+static void AddUnstable(Bracket *b, PetscReal at, PetscReal growth)
+{
+  for (PetscInt i = 2; i > 0; i--) {
+    b->at[i]     = b->at[i - 1];
+    b->excess[i] = b->excess[i - 1];
+  }
+  b->at[0]     = at;
+  b->excess[0] = growth - 1;
+  b->n         = PetscMin(b->n + 1, 3);
+}
+
 /*
-   Halves an unstable Courant number until it is stable, where no stable one is known, and bisects. bracket[0] stays 0 when
-   none is stable.
+   Just above its first value growth - 1 is proportional to the distance (an eigenvalue that leaves the unit circle) or to its
+   square root (two eigenvalues that meet on it). So (g - 1)^2 / g or g - 1 is smooth.
 */
-static PetscErrorCode Enclose(const Sought *s, PetscReal precision, PetscReal bracket[2])
+static PetscReal Law(PetscBool root, PetscReal excess)
+{
+  return root ? excess * excess / (1 + excess) : excess;
+}
+
+/* Where a polynomial of the law through unstable values, from one of them on, comes to an excess (Neville's scheme). */
+static PetscReal Cross(const Bracket *b, PetscInt from, PetscBool root, PetscReal excess)
+{
+  const PetscInt  n  = b->n - from;
+  const PetscReal at = Law(root, excess);
+  PetscReal       x[3], law[3];
+
+  for (PetscInt i = 0; i < n; i++) {
+    x[i]   = b->at[from + i];
+    law[i] = Law(root, b->excess[from + i]);
+  }
+  for (PetscInt k = 1; k < n; k++)
+    for (PetscInt i = 0; i + k < n; i++)
+      x[i] = ((at - law[i + k]) * x[i] - (at - law[i]) * x[i + 1]) / (law[i] - law[i + k]);
+  return x[0];
+}
+
+/* The first growth that is expected; NaN: too little is known. Of the laws the one that would have foreseen the last value. */
+static PetscReal Expect(const Bracket *b, PetscReal tolerance)
+{
+  PetscReal miss[2] = {1, 0};
+
+  if (b->n < 2) return NAN;
+  for (int root = 0; root < 2 && b->n > 2; root++)
+    miss[root] = PetscAbsReal(Cross(b, 1, (PetscBool)root, b->excess[0]) - b->at[0]);
+  return Cross(b, 0, miss[1] < miss[0] ? PETSC_TRUE : PETSC_FALSE, tolerance);
+}
+
+/*
+   The next value to look at: beyond the expected one by little, and, when that is next to it, below it. When the bracket
+   has not become narrow for some values, the one after them is below the expected one, and the others are in the middle.
+*/
+static PetscReal Next(const Bracket *b, PetscReal tolerance, PetscReal precision, PetscInt without)
+{
+  const PetscReal hi = b->at[0], close = precision * hi, x = Expect(b, tolerance);
+
+  if (!(x > b->lo && x < hi) || without > PATIENCE) return (b->lo + hi) / 2;
+  if (without == PATIENCE) return PetscMax(x - 2 * (hi - x), (b->lo + x) / 2);
+  if (hi - x > close / 2) return PetscMin(x + PetscMax(BEYOND * (hi - x), close / 4), (x + hi) / 2);
+  return PetscMax(x - close / 4, (b->lo + x) / 2);
+}
+
+static PetscErrorCode Narrow(const Sought *s, PetscReal precision, Bracket *b)
+{
+  PetscReal width   = b->at[0] - b->lo;
+  PetscInt  without = 0;
+
+  PetscFunctionBegin;
+  while (b->at[0] - b->lo > precision * b->at[0]) {
+    const PetscReal at = Next(b, s->tolerance, precision, without);
+    PetscReal       g;
+
+    PetscCall(s->growth(s->context, at, &g));
+    if (g <= 1 + s->tolerance)
+      b->lo = at;
+    else
+      AddUnstable(b, at, g);
+    without = b->at[0] - b->lo > width / 2 ? without + 1 : 0;
+    if (!without) width = b->at[0] - b->lo;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Halves an unstable value until it is stable, where no stable one is known. lo stays 0 when none is stable. */
+static PetscErrorCode Enclose(const Sought *s, PetscReal least, PetscReal precision, Bracket *b)
 {
   PetscReal g;
 
   PetscFunctionBegin;
-  for (PetscReal k = bracket[1] / 2; bracket[0] == 0 && k >= LEAST; k /= 2) {
+  for (PetscReal k = b->at[0] / 2; b->lo == 0 && k >= least; k /= 2) {
     PetscCall(s->growth(s->context, k, &g));
-    bracket[g <= 1 + s->tolerance ? 0 : 1] = k;
+    if (g <= 1 + s->tolerance)
+      b->lo = k;
+    else
+      AddUnstable(b, k, g);
   }
-  if (bracket[0] > 0) PetscCall(Bisect(s, precision, &bracket[0], &bracket[1]));
+  if (b->lo > 0) PetscCall(Narrow(s, precision, b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -56,20 +150,21 @@ PetscErrorCode MpmSearchFirst(MpmSearchGrowth growth, void *context, PetscReal t
                               PetscReal precision, PetscReal bracket[2])
 {
   const Sought s = {growth, context, tolerance};
+  Bracket      b = {.lo = 0};
   PetscReal    g, k = steps->from;
 
   PetscFunctionBegin;
-  bracket[0] = 0;
+  bracket[1] = INFINITY;
   for (;; k = PetscMin(PetscMin(k * steps->ratio, k + steps->width), steps->to)) {
     PetscCall(growth(context, k, &g));
     if (!(g <= 1 + tolerance)) break;
-    bracket[0] = k;
-    if (k < steps->to) continue;
-    bracket[1] = INFINITY;
-    PetscFunctionReturn(PETSC_SUCCESS);
+    bracket[0] = b.lo = k;
+    if (k >= steps->to) PetscFunctionReturn(PETSC_SUCCESS);
   }
-  bracket[1] = k;
-  PetscCall(Enclose(&s, precision, bracket));
+  AddUnstable(&b, k, g);
+  PetscCall(Enclose(&s, PetscMax(steps->least, LEAST), precision, &b));
+  bracket[0] = b.lo;
+  bracket[1] = b.at[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -126,11 +221,6 @@ PetscReal MpmSearchPhase(PetscReal m)
   return PETSC_PI / 2 * (1 - cos(PETSC_PI * PetscMin(PetscMax(m, 0), MPM_CRITICAL_PHASES) / MPM_CRITICAL_PHASES));
 }
 
-PetscReal MpmSearchBeside(PetscReal beta, PetscReal d)
-{
-  return MpmSearchPhase(acos(1 - 2 * beta / PETSC_PI) / PETSC_PI * MPM_CRITICAL_PHASES + d);
-}
-
 /* ---- where growth may stop again ---- */
 
 /* Courant numbers that were looked at, from small to large. */
@@ -181,11 +271,13 @@ static void Widest(const Scan *s, PetscInt *first, PetscInt *last)
 /* The window of growth that begins with place i, below a limit. i moves on to the first place behind it. */
 static PetscErrorCode FindWindow(Scan *s, PetscInt *i, MpmCriticalWindow *w)
 {
-  PetscReal stable, bracket[2] = {*i > 0 ? s->courant[*i - 1] : 0, s->courant[*i]};
+  Bracket   b = {.lo = *i > 0 ? s->courant[*i - 1] : 0};
+  PetscReal stable;
 
   PetscFunctionBegin;
-  PetscCall(Enclose(&s->sought, NARROW, bracket));
-  *w = (MpmCriticalWindow){.from = bracket[0] > 0 ? bracket[1] : 0};
+  AddUnstable(&b, s->courant[*i], s->found[*i]);
+  PetscCall(Enclose(&s->sought, LEAST, NARROW, &b));
+  *w = (MpmCriticalWindow){.from = b.lo > 0 ? b.at[0] : 0};
   for (; Grows(s, *i); ++*i) {
     if (s->found[*i] <= w->growth) continue;
     w->growth = s->found[*i];

@@ -5,7 +5,6 @@
      first k with growth, where what grows goes on growing                    MpmSearchFirst
      first k with growth, where it may stop again                             MpmSearchScan
      first k with growth, by following amplification factors                  MpmFollowFirst (follow.h)
-     the same from few evaluations, which are dear                            MpmOnsetFind (onset.h)
      whether there is a threshold, or growth fades with k                     MpmSearchThreshold
      least value in one variable                                              MpmSearchLeast
 
@@ -17,15 +16,18 @@
 /* Computes growth per step at a Courant number. NaN, which is not known, counts as growth. */
 typedef PetscErrorCode (*MpmSearchGrowth)(void *context, PetscReal courant, PetscReal *growth);
 
-/* The Courant numbers of a search: from, then on by ratio but by no more than width, up to to. */
+/*
+   The Courant numbers of a search: from, then on by ratio but by no more than width, up to to. Where from grows already they
+   are halved down to least, or with 0 down to 1e-24.
+*/
 typedef struct {
-  PetscReal from, to, ratio, width;
+  PetscReal from, to, ratio, width, least;
 } MpmSearchSteps;
 
 /*
    MpmSearchFirst - the bracket [stable, unstable] in which growth first leaves 1 + tolerance. unstable is infinite when growth
-   leaves it nowhere. Where it has left it at the first Courant number already, smaller ones are tried by halving; stable is
-   0 when none of them is stable. The bracket is then bisected to a relative precision.
+   leaves it nowhere. stable is 0 when none is stable. The bracket is narrowed to a relative precision: unstable values show
+   how growth begins and where, and values on both sides of that are looked at until they are next to one another.
 
    A window of instability that is narrower than a step may be missed.
 */
@@ -62,11 +64,7 @@ PetscErrorCode MpmSearchLeast(MpmSearchFunction f, void *context, PetscInt steps
                               PetscReal *x, PetscReal *value);
 
 /*
-   Not collective.
-
-   MpmSearchPhase  - phase m of MPM_CRITICAL_PHASES in (0, pi]. They lie closer near 0 and pi, where instability may be
-                     confined to a narrow range of phases.
-   MpmSearchBeside - the phase d places after phase beta in this sequence
+   Not collective. Phase m of MPM_CRITICAL_PHASES in (0, pi]. They lie closer near 0 and pi, where instability may be confined to a
+   narrow range of phases.
 */
 PetscReal MpmSearchPhase(PetscReal m);
-PetscReal MpmSearchBeside(PetscReal beta, PetscReal d);

@@ -8,9 +8,7 @@
 #include "linalg/eigen.h"
 #include "linalg/singular.h"
 #include "operator/nodal.h"
-#include "analysis/bloch_modes.h"
 #include "analysis/leftmost.h"
-#include "analysis/nodal_choice.h"
 #include "analysis/spectrum.h"
 #include <math.h>
 #include <sys/resource.h>
@@ -350,6 +348,36 @@ static PetscErrorCode PeakMemory(MPI_Comm comm, PetscReal *bytes)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode WhyNotNodal(const MpmScene *scene, const MpmRequest *request, const char **why)
+{
+  PetscInt64    unknowns;
+  MpmNodalPlan *plan;
+
+  PetscFunctionBegin;
+  PetscCall(MpmNodalPlanCreate(scene->scheme.table, why, &plan));
+  PetscCall(MpmNodalPlanDestroy(&plan));
+  if (MpmSceneDrifts(scene))
+    *why = "particles move";
+  else if (!strcmp(request->task, "critical") && !MpmSymbolWhyNot(&scene->layout))
+    *why = "the limit of a uniform layout is that of its symbol";
+  if (*why) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmNodalMatrixUnknowns(&scene->layout, &scene->scheme, &scene->step, &unknowns));
+  if (!unknowns) *why = "the nodes have as many unknowns as the particles";
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNodalChoiceCheck(const MpmScene *scene, const MpmRequest *request)
+{
+  const char *why;
+
+  PetscFunctionBegin;
+  if (!request->nodal_asked) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(WhyNotNodal(scene, request, &why));
+  MpmCheckInput(!why, "-nodal %s: nothing reads it in this scene: %s; allowed: without it",
+                request->nodal ? "true" : "false", why);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Refuses options of the solvers, and too many unknowns, before the work. SLEPc reads its options when it solves. */
 static PetscErrorCode TryOptions(const char what[], const MpmScene *scene, PetscInt64 order, PetscInt64 nodal,
                                  const MpmRequest *request)
@@ -408,7 +436,7 @@ static PetscErrorCode Finish(MPI_Comm comm, PetscReal started, MpmSpectrum *s)
   PetscCall(Judge(s));
   if (s->scene) PetscCall(Measure(s));
   PetscCall(Transient(s));
-  if (s->scene && s->scene->layout.dim > 1) PetscCall(MpmModesCreateLeading(s->op, s->eigen, LEADING, &s->leading));
+  if (s->scene && s->scene->layout.dim > 1) PetscCall(MpmModesCreate(s->op, s->eigen, LEADING, &s->leading));
   PetscCall(PeakMemory(comm, &s->memory));
   s->memory -= s->before;
   s->wall_s = MPI_Wtime() - started;
@@ -466,6 +494,85 @@ PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, co
   PetscCall(MpmOperatorFromMatrix(A, period, &(*spectrum)->op));
   if (cells) PetscCall(TakeCells(cells, *spectrum));
   PetscCall(Finish(PETSC_COMM_WORLD, started, *spectrum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the tangent of one step of a nonlinear run ---- */
+
+/* The spectrum of a tangent, which it destroys. */
+static PetscErrorCode SolveTangent(const MpmRequest *request, PetscReal started, Mat *tangent, MpmSpectrum **spectrum)
+{
+  Mat matrix;
+
+  PetscFunctionBegin;
+  PetscCall(MpmTangentAssemble(*tangent, &matrix));
+  PetscCall(MatDestroy(tangent));
+  PetscCall(MpmSpectrumOfMatrix("the tangent", matrix, 1, NULL, request, started, spectrum));
+  PetscCall(MatDestroy(&matrix));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Where particles stand on the yield surface: the spectrum of the branch that grows more, and what is said of both. */
+static PetscErrorCode OfBranches(MpmTangentSpace *space, PetscReal courant, const MpmTangentState *state,
+                                 const MpmRequest *request, PetscReal started, MpmSpectrum **spectrum)
+{
+  static const MpmBranch branch[2] = {MPM_BRANCH_LOADING, MPM_BRANCH_UNLOADING};
+  MpmSpectrum           *of[2];
+  char                   text[256];
+  PetscInt               larger;
+  Mat                    tangent;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < 2; i++) {
+    space->branch = branch[i];
+    PetscCall(MpmTangentOf(space, courant, state, &tangent, NULL));
+    PetscCall(SolveTangent(request, started, &tangent, &of[i]));
+  }
+  larger = of[1]->finding.growth > of[0]->finding.growth ? 1 : 0;
+  PetscCall(PetscSNPrintf(text, sizeof text,
+                          "; %" PetscInt64_FMT " particles stand on the yield surface: growth %.9g loading, %.9g "
+                          "unloading, and %s counts",
+                          space->on_surface, of[0]->finding.growth, of[1]->finding.growth,
+                          MpmBranchNames[branch[larger]]));
+  *spectrum = of[larger];
+  PetscCall(MpmSpectrumDestroy(&of[1 - larger]));
+  MpmTextJoin((*spectrum)->finding.evidence, text, sizeof(*spectrum)->finding.evidence);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFrozenSpectrum(const MpmScene *scene, const MpmRequest *request, PetscReal started,
+                                 MpmSpectrum **spectrum, PetscReal *mismatch)
+{
+  MpmMarch       *march;
+  MpmTangentSpace space;
+  MpmTangentState state;
+  MpmFinding     *finding;
+  Mat             tangent;
+
+  PetscFunctionBegin;
+  PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, &scene->layout, MpmMarchBytes(scene, PETSC_FALSE), "the march"));
+  PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
+  while (march->step < request->at_step && !march->failure[0]) PetscCall(MpmMarchStep(march, PETSC_FALSE));
+  MpmCheckInput(!march->failure[0], "-at_step %" PetscInt64_FMT ": the run ends before it, %s", request->at_step,
+                march->failure);
+  PetscCall(MpmTangentSpaceCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &space));
+  PetscCall(MpmTangentStateCreate(&space, &state));
+  PetscCall(MpmTangentStateOf(&space, march, &state));
+  PetscCall(MpmTangentCheck(&space, &state));
+  PetscCall(MpmTangentMismatch(&space, march, &tangent, mismatch));
+  if (space.on_surface > 0) {
+    PetscCall(MatDestroy(&tangent));
+    PetscCall(OfBranches(&space, march->courant, &state, request, started, spectrum));
+  } else
+    PetscCall(SolveTangent(request, started, &tangent, spectrum));
+  PetscCall(MpmMarchDestroy(&march));
+  PetscCall(MpmTangentStateDestroy(&space, &state));
+  PetscCall(MpmTangentSpaceDestroy(&space));
+  finding = &(*spectrum)->finding;
+  if (!(*mismatch <= MPM_MISMATCH)) {
+    finding->verdict = MPM_UNDECIDED;
+    MpmTextJoin(finding->evidence, ", but the tangent's step is not the march's", sizeof finding->evidence);
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -3,10 +3,8 @@
    growth, compared.
 */
 #pragma once
-#include "analysis/bloch_modes.h"
 #include "analysis/modes.h"
 #include "symbol/predict.h"
-#include "analysis/pseudospectrum.h"
 #include "analysis/run.h"
 #include "analysis/transient.h"
 
@@ -54,6 +52,15 @@ typedef struct {
 } MpmSpectrum;
 
 /*
+   MpmNodalChoiceCheck - refuses the option nodal, true or false, where the task takes no eigenvalues that the nodes' own
+   operator could have: of particles that move, of tables and layouts without such an operator, and of critical where the
+   symbol has the answer.
+
+   Collective. Errors: PETSC_ERR_USER_INPUT.
+*/
+PetscErrorCode MpmNodalChoiceCheck(const MpmScene *scene, const MpmRequest *request);
+
+/*
    MpmSpectrumCreate - assembles a scene's operator, checks it against the march, solves for its eigenvalues, and
    compares them with symbol and closed forms.
 
@@ -71,3 +78,15 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
 PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, const MpmBlochCells *cells,
                                    const MpmRequest *request, PetscReal started, MpmSpectrum **spectrum);
 PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum);
+
+/*
+   MpmFrozenSpectrum - marches a scene of finite kinematics to the request's step at_step, and finds the eigenvalues of the
+   tangent of the step after it, as if the state stayed as it is. mismatch: see MpmTangentMismatch. A verdict is undecided
+   where the tangent's step is not the march's. Of a material that flows particles may stand on the yield surface, where a
+   step has two derivatives: the spectrum is that of loading or unloading, whichever grows more, and the evidence says which.
+
+   Collective on PETSC_COMM_WORLD, with SLEPc initialized. Errors: refuses (PETSC_ERR_USER_INPUT) a step that the run does
+   not reach.
+*/
+PetscErrorCode MpmFrozenSpectrum(const MpmScene *scene, const MpmRequest *request, PetscReal started,
+                                 MpmSpectrum **spectrum, PetscReal *mismatch);

@@ -5,7 +5,7 @@
 #include "base/text.h"
 #include "scene/layout.h"
 #include "scheme/language.h"
-#include "analysis/refined.h"
+#include "analysis/waves.h"
 #include "analysis/stability_map.h"
 #include <math.h>
 

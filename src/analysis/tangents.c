@@ -6,6 +6,7 @@
    and several of them are made orthogonal after each step (Benettin et al. 1980). The product of a window's tangents is
    never formed; Lanczos steps apply it and its transpose.
 */
+#include "analysis/pace.h"
 #include "analysis/tangents.h"
 #include "linalg/singular.h"
 #include "scene/layout.h"
@@ -103,28 +104,6 @@ PetscErrorCode MpmTangentsCreate(const MpmMarch *march, const MpmRequest *reques
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest speed of waves at any particle, over that of the Courant number. */
-static PetscErrorCode LargestSpeed(const MpmTangents *t, const MpmScheme *scheme, PetscReal *speed)
-{
-  const MpmTable  *table = scheme->table;
-  const PetscInt   n     = MpmTableStretches(table);
-  const PetscReal *F[MPM_MOST_STRETCH];
-
-  PetscFunctionBegin;
-  *speed = 0;
-  for (PetscInt c = 0; c < n; c++) PetscCall(VecGetArrayRead(t->state.field[table->stretch + c], &F[c]));
-  for (PetscInt p = 0; p < t->space.sizes.particles; p++) {
-    PetscReal at[MPM_MOST_STRETCH];
-
-    for (PetscInt c = 0; c < n; c++) at[c] = F[c][p];
-    *speed = PetscMax(*speed, MpmMaterialSpeed(&table->material, table->dim, at));
-  }
-  for (PetscInt c = 0; c < n; c++) PetscCall(VecRestoreArrayRead(t->state.field[table->stretch + c], &F[c]));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, speed, 1, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
-  *speed *= sqrt(scheme->space.stiffness);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Takes the perturbations through a step, and makes them orthogonal again. */
 static PetscErrorCode Follow(MpmTangents *t, Mat tangent)
 {
@@ -204,7 +183,7 @@ static PetscErrorCode EndWindow(MpmTangents *t)
 
 PetscErrorCode MpmTangentsStep(MpmTangents *t, const MpmMarch *march)
 {
-  PetscReal speed, room;
+  PetscReal speed[2], room, *moduli = NULL;
   Mat       tangent;
 
   PetscFunctionBegin;
@@ -219,8 +198,9 @@ PetscErrorCode MpmTangentsStep(MpmTangents *t, const MpmMarch *march)
     PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, march->layout, t->bytes, "the tangents of a window"));
   }
   PetscCall(MatDiagonalScale(tangent, t->scale, t->unscale));
-  PetscCall(LargestSpeed(t, march->scheme, &speed));
-  t->waves += speed * march->courant;
+  PetscCall(MpmPaceSpeeds(march, &moduli, speed));
+  PetscCall(PetscFree(moduli));
+  t->waves += speed[0] * march->courant;
   PetscCall(Follow(t, tangent));
   t->held[t->nheld++] = tangent;
   if (t->nheld == t->window || t->nheld == t->next) {

@@ -138,7 +138,7 @@ static PetscErrorCode GridCreate(const MpmZoom *zoom, MpmZoomFunction f, void *c
     g->n *= g->width[a];
   }
   PetscCall(PetscMalloc1(g->n, &g->value));
-  for (PetscInt place = 0; place < g->n; place++) {
+  for (PetscInt place = g->n - 1; place >= 0; place--) { /* short waves first: theirs are mostly the least limits */
     PetscInt  i[MPM_MAX_DIM];
     PetscReal beta[MPM_MAX_DIM];
 

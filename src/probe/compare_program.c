@@ -4,7 +4,7 @@
    width of a cell.
 */
 #include "probe/compare_program.h"
-#include "analysis/worst_phase.h"
+#include "analysis/waves.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include "scene/settings.h"

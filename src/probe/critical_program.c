@@ -4,10 +4,10 @@
    of particles, a free block and a lone particle are cut from the lattice: their limits are often below the interior's.
 */
 #include "probe/critical_program.h"
-#include "analysis/onset.h"
+#include "analysis/search.h"
 #include "probe/dt_polynomial.h"
 #include "probe/program_growth.h"
-#include "analysis/worst_phase.h"
+#include "analysis/waves.h"
 #include "linalg/dense.h"
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -15,8 +15,9 @@
 #define BLOCK 6 /* cells of the free block in each direction, or fewer so that its operator is dense */
 #define BELOW 4 /* steps below a limit that are tried too, equally spaced; BELOW_PART: of a part */
 #define BELOW_PART 2
-#define BESIDE 1e-3  /* relative: the modes are looked at so far above a limit */
-#define FARTHEST 1e3 /* times the given step, or one over it, to which the search goes: far beyond, rounding grows */
+#define CLOSE 1e-6    /* relative width of the bracket of a limit */
+#define BESIDE 1e-3   /* relative: the modes are looked at so far above a limit */
+#define FARTHEST 1024 /* times the given step, or one over it, to which the search goes: far beyond, rounding grows */
 #define FARTHEST_PART 16 /* times the interior's limit: a part that is stable there limits nothing */
 #define MOST_SITES 64    /* of a cell, at which a lone particle is looked at */
 #define NODES 3          /* steps at which an operator is probed, of most codes */
@@ -91,44 +92,51 @@ static PetscErrorCode GrowthKnown(Search *s, PetscReal dt, PetscReal *growth)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Growth - 1 at a time step. */
-static PetscErrorCode Excess(void *context, PetscReal dt, PetscReal *excess)
+static PetscErrorCode Growth(void *context, PetscReal dt, PetscReal *growth)
 {
   Search     *s = context;
   MpmProgram *p = s->is_part ? &s->part : s->program;
   MpmBlocks   blocks;
-  PetscReal   growth;
 
   PetscFunctionBegin;
   if (s->known) {
-    PetscCall(GrowthKnown(s, dt, &growth));
+    PetscCall(GrowthKnown(s, dt, growth));
   } else {
     PetscCall(MpmStepperSet(p->stepper, s->critical->name, dt));
     PetscCall(MpmProgramPrepare(p));
     if (p->kind == MPM_PROBE_BLOCH) {
       PetscCall(MpmProgramBlocks(p, &blocks, NULL));
-      PetscCall(GrowthOfBlocks(s, p, &blocks, &growth));
+      PetscCall(GrowthOfBlocks(s, p, &blocks, growth));
     } else
-      PetscCall(MpmProgramGrowth(p, &growth));
+      PetscCall(MpmProgramGrowth(p, growth));
     PetscCall(MpmProgramForget(p));
     s->critical->probes++;
   }
-  *excess = growth - 1;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Onset(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
+/*
+   The limit, from a start on by doubling or halving. So many equally spaced steps below it are tried too, since growth may begin and
+   end there.
+*/
+static PetscErrorCode Limit(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
 {
-  const PetscBool beside = s->is_part && start == s->critical->limit[MPM_LIMIT_INTERIOR] ? PETSC_TRUE : PETSC_FALSE;
-  const MpmOnset  onset  = {.excess    = Excess,
-                            .context   = s,
-                            .start     = start,
-                            .farthest  = beside ? FARTHEST_PART : FARTHEST,
-                            .tolerance = s->program->tolerance,
-                            .below     = below};
+  const PetscReal tolerance = s->program->tolerance;
+  const PetscBool beside    = s->is_part && start == s->critical->limit[MPM_LIMIT_INTERIOR] ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal farthest  = beside ? FARTHEST_PART : FARTHEST;
+  MpmSearchSteps  steps     = {
+           .from = start, .to = start * farthest, .ratio = 2, .width = INFINITY, .least = start / farthest};
+  PetscReal bracket[2];
 
   PetscFunctionBegin;
-  PetscCall(MpmOnsetFind(&onset, limit));
+  PetscCall(MpmSearchFirst(Growth, s, tolerance, &steps, CLOSE, bracket));
+  *limit = isinf(bracket[1]) ? INFINITY : bracket[0];
+  if (below == 0 || !(*limit > 0) || isinf(*limit)) PetscFunctionReturn(PETSC_SUCCESS);
+  steps.from = steps.width = *limit / (PetscReal)(below + 1);
+  steps.to                 = *limit * (PetscReal)below / (PetscReal)(below + 1);
+  steps.ratio              = INFINITY;
+  PetscCall(MpmSearchFirst(Growth, s, tolerance, &steps, CLOSE, bracket));
+  if (isfinite(bracket[1])) *limit = bracket[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -136,7 +144,7 @@ static PetscErrorCode Onset(Search *s, PetscReal start, PetscInt below, PetscRea
    The limit of all waves. It is sought for a few of them; where another one grows at it or below, that one is taken, too, and the limit is
    sought again.
 */
-static PetscErrorCode OnsetOfWaves(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
+static PetscErrorCode LimitOfWaves(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
 {
   const PetscInt dim  = s->program->stepper->dim;
   PetscBool      more = PETSC_TRUE;
@@ -148,14 +156,14 @@ static PetscErrorCode OnsetOfWaves(Search *s, PetscReal start, PetscInt below, P
   while (more) {
     more   = PETSC_FALSE;
     s->all = s->waves == WAVES ? PETSC_TRUE : PETSC_FALSE;
-    PetscCall(Onset(s, start, s->all ? below : 0, limit));
+    PetscCall(Limit(s, start, s->all ? below : 0, limit));
     if (s->all || !(*limit > 0) || !isfinite(*limit)) break;
     s->all = PETSC_TRUE;
     for (PetscInt i = below + 1; i > 0 && !more; i--) {
-      PetscReal excess;
+      PetscReal growth;
 
-      PetscCall(Excess(s, *limit * (i > below ? 1 - ITSELF : (PetscReal)i / (PetscReal)(below + 1)), &excess));
-      more = excess > s->program->tolerance ? PETSC_TRUE : PETSC_FALSE;
+      PetscCall(Growth(s, *limit * (i > below ? 1 - ITSELF : (PetscReal)i / (PetscReal)(below + 1)), &growth));
+      more = growth > 1 + s->program->tolerance ? PETSC_TRUE : PETSC_FALSE;
     }
     if (more) PetscCall(PetscArraycpy(s->wave[s->waves++], s->critical->beta, MPM_MAX_DIM));
   }
@@ -183,7 +191,7 @@ static PetscErrorCode FindKnown(Search *s, PetscReal start, PetscInt below, Pets
     s->critical->probes += s->polynomial.n;
     if (!fits) break;
     s->known = PETSC_TRUE;
-    PetscCall(s->polynomial.A[0] ? Onset(s, start, below, limit) : OnsetOfWaves(s, start, below, limit));
+    PetscCall(s->polynomial.A[0] ? Limit(s, start, below, limit) : LimitOfWaves(s, start, below, limit));
     s->known = PETSC_FALSE;
     if (!(*limit > 0) || !isfinite(*limit)) break;
     if (*limit <= FARTHER * centre && *limit >= centre / FARTHER) {
@@ -204,7 +212,7 @@ static PetscErrorCode FindLimit(Search *s, PetscReal start, PetscInt below, Pets
   PetscCall(FindKnown(s, start, below, limit, &found));
   if (!found) {
     PetscCall(MpmDtPolynomialDestroy(&s->polynomial));
-    PetscCall(Onset(s, start, below, limit));
+    PetscCall(Limit(s, start, below, limit));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -351,11 +359,11 @@ static PetscErrorCode LimitOfLone(Search *s, PetscReal started, PetscReal start,
   PetscFunctionBegin;
   *limit = NAN;
   for (PetscInt site = 0; site < PetscMin(s->program->lattice.sites, MOST_SITES); site++) {
-    PetscReal excess = INFINITY;
+    PetscReal growth = INFINITY;
 
     PetscCall(Cut(s, site));
-    if (site > 0 && *limit > 0 && isfinite(*limit)) PetscCall(Excess(s, *limit, &excess));
-    if (!(excess <= s->program->tolerance)) {
+    if (site > 0 && *limit > 0 && isfinite(*limit)) PetscCall(Growth(s, *limit, &growth));
+    if (!(growth <= 1 + s->program->tolerance)) {
       PetscReal found;
 
       PetscCall(FindLimit(s, start, BELOW_PART, &found));

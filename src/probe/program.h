@@ -1,6 +1,6 @@
 /* Program: the code of somebody else in the place of a scene. It is started, probed and judged here. */
 #pragma once
-#include "analysis/bloch_modes.h"
+#include "analysis/modes.h"
 #include "probe/certificates.h"
 #include "probe/unread.h"
 #include "scene/request.h"

@@ -1,6 +1,6 @@
 /* From a prepared program to a verdict: its operator is probed with both sizes of perturbations. */
 #include "probe/program_growth.h"
-#include "analysis/worst_phase.h"
+#include "analysis/waves.h"
 #include "linalg/dense.h"
 #include <math.h>
 

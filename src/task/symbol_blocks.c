@@ -1,9 +1,9 @@
 /* The task symbol for blocks from a file, or of a code that is probed: growth at equally spaced phases, and between them where it is largest. */
-#include "analysis/worst_phase.h"
 #include "io/matrix_file.h"
+#include "task/task.h"
+#include "analysis/waves.h"
 #include "probe/motion.h"
 #include "report/report_program.h"
-#include "task/task.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 

@@ -1,5 +1,4 @@
 /* The task critical: mpmstab critical [SCENE.yaml | -program COMMAND | -plugin FILE] [-option value]... */
-#include "analysis/nodal_choice.h"
 #include "linalg/eigen.h"
 #include "report/report_program.h"
 #include "report/results.h"

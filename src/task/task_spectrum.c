@@ -1,10 +1,10 @@
 /* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
-#include "analysis/frozen.h"
 #include "base/textfile.h"
+#include "probe/certificates.h"
+#include "analysis/spectrum.h"
 #include "io/matrix_file.h"
 #include "io/mode_file.h"
 #include "linalg/eigen.h"
-#include "probe/certificates.h"
 #include "report/report.h"
 #include "report/report_program.h"
 #include "report/results.h"
@@ -313,7 +313,7 @@ PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *s)
 
   PetscFunctionBegin;
   if (!s->request->output[0] && !s->request->csv[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  if (s->scene) PetscCall(MpmModesCreate(s->op, s->eigen, &modes));
+  if (s->scene) PetscCall(MpmModesCreate(s->op, s->eigen, s->eigen->n, &modes));
   if (s->request->csv[0]) PetscCall(WriteCsv(s, &modes));
   if (s->request->output[0]) {
     PetscCall(MpmDataFileOpen(PetscObjectComm((PetscObject)s->op->A), s->scene, s->request, &file));

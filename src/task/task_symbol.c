@@ -2,10 +2,11 @@
    The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE | -program COMMAND | -plugin FILE] [-option value]...
 */
 #include "analysis/damping.h"
-#include "analysis/refined.h"
 #include "base/textfile.h"
 #include "io/matrix_file.h"
 #include "report/report.h"
+#include "report/results.h"
+#include "analysis/waves.h"
 #include "task/task.h"
 #include <math.h>
 

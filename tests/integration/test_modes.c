@@ -14,7 +14,7 @@ static PetscErrorCode Solved(const char options[], MpmScene **scene, MpmSpectrum
   PetscCall(CheckScene(options, scene));
   check_request.measure = PETSC_FALSE;
   PetscCall(MpmSpectrumCreate(*scene, &check_request, 0, s));
-  PetscCall(MpmModesCreate((*s)->op, (*s)->eigen, modes));
+  PetscCall(MpmModesCreate((*s)->op, (*s)->eigen, (*s)->eigen->n, modes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -6,7 +6,7 @@
 #include "singular.h"
 #include "linalg/dense.h"
 #include <mpmstab/operator.h>
-#include "analysis/pseudospectrum.h"
+#include "analysis/transient.h"
 
 /* Writes z - A as a real matrix of twice the order, [x -y; y x] for x + iy; it has each singular value twice. */
 static PetscErrorCode CheckSigma(const char what[], MpmResolvent *r, const PetscReal a[], double complex z)

@@ -205,7 +205,7 @@ static PetscErrorCode CheckPolarisation(const char options[])
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_rank(PETSC_COMM_WORLD, &rank));
   PetscCall(SpectrumOf(options, &scene, &s));
-  PetscCall(MpmModesCreate(s->op, s->eigen, &modes));
+  PetscCall(MpmModesCreate(s->op, s->eigen, s->eigen->n, &modes));
   for (PetscInt j = 0; j < modes.n && rank == 0; j++) {
     const PetscReal share = modes.p_share[j];
 

@@ -7,7 +7,6 @@
 #include "singular.h"
 #include "linalg/dense.h"
 #include "scene/material.h"
-#include "analysis/pseudospectrum.h"
 #include "analysis/transient.h"
 #include "operator/nodal.h"
 #include <slepcsys.h>

@@ -1,15 +1,14 @@
 /*
-   The largest Courant number with growth within tolerance in two and three dimensions, by samples of the symbol: for
-   particles that move, and for formulations without a closed form.
+   The largest Courant number with growth within tolerance, by samples of the symbol: in two and three dimensions for
+   particles that move and for formulations without a closed form, and at rest in one where growth may stop again.
 
-   The limit of waves along an axis (critical_axes.c) is an upper bound. Oblique waves are sampled below it.
+   In two and three dimensions the limit of waves along an axis is an upper bound. Oblique waves are sampled below it.
 */
 #include "analysis/critical_parts.h"
 #include "analysis/leftmost.h"
 #include "scene/layout.h"
 #include "analysis/waves.h"
-#include "analysis/zoom.h"
-#include <mpmstab/symbol.h>
+#include "symbol/phases.h"
 #include <math.h>
 
 #define WITHIN 2        /* the largest ratio of growths from which a search goes on */
@@ -21,16 +20,92 @@
 #define BELOW 100       /* samples begin at this part of the limit of axis waves, */
 #define FROM 1e-2       /* or here where these have none */
 #define RATIO 1.3       /* of Courant numbers, one over the other */
-#define PRECISION 1e-7  /* relative width of a bracket */
 #define SCANNED 0.01    /* the same before it is narrowed down */
 #define ROUNDS 20       /* of bisection at the phases that grow most, and of the search for these */
 #define SAME 1e-6       /* relative distance within which limits are those of axis waves */
 
 /* How a search goes on from the grid, by dimension: from so many places, and its first and last step at one wave. */
-static const PetscInt  starts[] = {0, 0, 6, 3};
-static const PetscReal finest[] = {0, 0, 1e-3, 0.1};
+static const PetscInt  starts[] = {0, 6, 6, 3};
+static const PetscReal finest[] = {0, 1e-3, 1e-3, 0.1}, last_step[] = {0, 1e-7, 1e-4, 1e-4};
 #define FIRST_STEP 0.02
-#define LAST_STEP 1e-4
+
+/* The relative width of a bracket. */
+static const PetscReal precision[] = {0, MPM_CRITICAL_PRECISION, 1e-7, 1e-7};
+
+/* ---- waves along an axis, which are those of one dimension with that direction's drift ---- */
+
+/*
+   The space of waves along an axis, of one dimension. Returns the speed of P waves along it in units of c: with a prestress
+   it depends on the direction (docs/theory.md, section 9).
+*/
+static PetscReal AlongAxis(const MpmSpace *of, PetscInt axis, MpmSpace *along)
+{
+  const PetscReal sigma0 = MpmSpacePrestress(of, axis, axis);
+  PetscReal       square = 1;
+
+  *along     = *of;
+  along->dim = 1;
+  if (!MpmSpaceIsPrestressed(of)) return 1;
+  square = MpmSpaceTangent(of, axis, axis, axis, axis) - sigma0;
+  for (PetscInt c = 0; c < MPM_MAX_STRESS; c++) along->prestress[c] = 0;
+  along->prestress[0] = sigma0 / square;
+  along->displaced    = sigma0 != 0 && of->curved ? PETSC_TRUE : PETSC_FALSE;
+  return sqrt(square);
+}
+
+/* Finds the limit of the waves along one axis. */
+static PetscErrorCode LimitOfAxis(const MpmCriticalCase *of, MpmCriticalFinder find, PetscInt axis, MpmCritical *c)
+{
+  MpmLayout       layout = *of->layout;
+  MpmScheme       scheme = *of->scheme;
+  MpmCriticalCase along  = *of;
+  PetscReal       speed;
+
+  PetscFunctionBegin;
+  layout.dim       = 1;
+  layout.grid[0]   = layout.grid[axis];
+  layout.offset[0] = layout.offset[axis];
+  MpmLayoutSetPpc(&layout, layout.ppc[axis]);
+  speed = AlongAxis(&of->scheme->space, axis, &scheme.space);
+  PetscCall(MpmTableCreate(scheme.formulation, scheme.transfer, &scheme.numbers, &scheme.space, &scheme.table));
+  along.layout = &layout;
+  along.scheme = &scheme;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) along.step.drift[a] = (MpmFraction){.den = 1};
+  along.step.drift[0] = of->step.drift[axis];
+  along.step.courant *= speed;
+  PetscCall(find(&along, PETSC_TRUE, c));
+  c->stable_at /= speed;
+  c->unstable_at /= speed;
+  c->courant /= speed;
+  c->doubtful /= speed;
+  PetscCall(MpmTableDestroy(&scheme.table));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalAxes(const MpmCriticalCase *of, MpmCriticalFinder find, MpmCritical *least)
+{
+  PetscBool mirror[MPM_MAX_DIM];
+  PetscInt  alike[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  MpmPhasesSymmetries(of->layout, &of->scheme->space, of->step.drift, mirror, alike);
+  *least = (MpmCritical){.stable_at = INFINITY, .unstable_at = INFINITY, .courant = INFINITY, .fading = NAN};
+  for (PetscInt axis = 0; axis < of->layout->dim; axis++) {
+    MpmCritical c;
+
+    if (alike[axis] < axis) continue; /* it has the same waves as one before it */
+    PetscCall(LimitOfAxis(of, find, axis, &c));
+    least->evaluations += c.evaluations;
+    if (!(c.unstable_at < least->unstable_at)) continue;
+    c.evaluations = least->evaluations;
+    *least        = c;
+    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) least->beta[a] = 0;
+    least->beta[axis] = c.beta[0];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- samples ---- */
 
 /* The symbol as a function of Courant number and phases. beta: the phases of the largest growth found last. */
 typedef struct {
@@ -62,6 +137,7 @@ PetscInt MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme)
                   each  = FACTORS * order * order * order;
   PetscInt n            = MOST;
 
+  if (layout->dim == 1) return MPM_CRITICAL_PHASES;
   while (n > FEWEST && pow(2.0 * n, (PetscReal)layout->dim) / 2 * each > WORK) n--;
   return n;
 }
@@ -111,15 +187,15 @@ static PetscErrorCode Narrow(Samples *s, PetscReal bracket[2])
   MpmZoom zoom = s->zoom;
 
   PetscFunctionBegin;
-  zoom.finest = LAST_STEP;
+  zoom.finest = last_step[zoom.dim];
   for (int round = 0; round < ROUNDS; round++) {
     const PetscReal      before = bracket[1];
     const MpmSearchSteps steps  = {
          .from = bracket[0] > 0 ? bracket[0] : bracket[1], .to = bracket[1], .ratio = 2, .width = MPM_CRITICAL_TO};
     PetscReal value;
 
-    PetscCall(MpmSearchFirst(GrowthThere, s, s->of->tolerance, &steps, PRECISION, bracket));
-    if (round > 0 && !(bracket[1] < before * (1 - PRECISION))) break;
+    PetscCall(MpmSearchFirst(GrowthThere, s, s->of->tolerance, &steps, precision[zoom.dim], bracket));
+    if (round > 0 && !(bracket[1] < before * (1 - precision[zoom.dim]))) break;
     s->courant = bracket[1];
     PetscCall(Inverse(s, s->beta, &value));
     PetscCall(MpmZoomFrom(&zoom, Inverse, s, FIRST_STEP, s->beta, &value));
@@ -196,6 +272,12 @@ static PetscErrorCode FindSample(Samples *s, const MpmCritical *axes, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Leaves out the windows that are not below the limit, which refining has moved down. */
+static void KeepBelow(MpmCritical *c)
+{
+  while (c->windows.n && c->windows.window[c->windows.n - 1].to > c->stable_at) c->windows.n--;
+}
+
 static PetscErrorCode Search(Samples *s, const MpmCriticalStart *start, MpmCritical *c)
 {
   const MpmCritical *axes       = s->axes;
@@ -217,13 +299,13 @@ static PetscErrorCode Search(Samples *s, const MpmCriticalStart *start, MpmCriti
     PetscCall(PetscArraycpy(c->beta, s->beta, s->zoom.dim));
     if (!c->windows.n) PetscCall(MpmSearchThreshold(GrowthThere, s, s->of->tolerance, 0, c));
   }
-  MpmCriticalKeepBelow(c);
+  KeepBelow(c);
   c->courant = c->threshold || MpmStepDrifts(&s->of->step) ? c->stable_at : 0;
   if (c->disputed) c->courant = NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalSpaceSampled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
+PetscErrorCode MpmCriticalSampled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   Samples samples;
 
@@ -231,7 +313,7 @@ PetscErrorCode MpmCriticalSpaceSampled(const MpmCriticalCase *of, const MpmCriti
   PetscCall(SamplesCreate(of, &samples));
   samples.axes = start->axes;
   c->order     = samples.waves.bloch.size;
-  c->phases    = samples.zoom.points;
+  c->phases    = of->layout->dim > 1 ? samples.zoom.points : 0;
   PetscCall(Search(&samples, start, c));
   c->evaluations += samples.waves.evaluations;
   PetscCall(MpmWavesDestroy(&samples.waves));
