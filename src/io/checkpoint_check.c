@@ -1,6 +1,6 @@
 /* Checks that a run can have written what was read. A file with a right checksum may still have been made by hand. */
 #include "io/checkpoint_file.h"
-#include "march/conserved.h"
+#include "march/diagnostics.h"
 #include <mpmstab/errors.h>
 #include "scene/fields.h"
 #include "scene/layout.h"

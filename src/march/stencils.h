@@ -1,10 +1,41 @@
 /*
-   Stencils: the nodes of a few particles at a time, with their weights and slopes side by side, for those who go through all
-   particles and sum over their nodes.
+   The nodes of a particle with its weights and their slopes, for those who make matrices and bounds of them; and stencils: those
+   of a few particles side by side, for those who go through all particles and sum over their nodes.
 */
 #pragma once
 #include "march/march_private.h"
-#include "march/slopes.h"
+
+/*S
+   MpmSlopes - how the slopes of a vector's components are found. Beyond walls nodes stand for their images, with the sign of
+   the component, and a component that a wall fixes has no slope there.
+
+   kind   - the kind of operation that has the slopes, one of GRAD, DIV, GRAD_MLS and DIV_MLS; those of DIV are found faster
+   parity - parity[c]: of component c
+S*/
+typedef struct {
+  const MpmLayout *layout;
+  const MpmBasis  *basis;
+  const MpmGrid   *grid;
+  MpmOpKind        kind;
+  const MpmParity (*parity)[MPM_MAX_DIM];
+} MpmSlopes;
+
+/* Not collective. The most nodes that MpmSlopesAt finds. */
+PetscInt MpmSlopesMost(const MpmSlopes *slopes);
+
+/*
+   MpmSlopesAt - the nodes of a particle in a local cell of the grid, at xi there. Returns how many there are. With merge none
+   is there twice: two of a particle's nodes may be one and the same, at a wall or in a short periodic grid.
+
+   Not collective.
+
+   Output Parameters:
++  node  - indices in a local array, from its node 0
+.  shape - phi of each node
+-  slope - slope[(node dim + component) dim + direction], in units of 1 / h
+*/
+PetscInt MpmSlopesAt(const MpmSlopes *slopes, PetscBool merge, const PetscInt cell[], const PetscReal xi[],
+                     PetscInt node[], PetscReal shape[], PetscReal slope[]);
 
 #define MPM_STENCILS 16
 
@@ -15,15 +46,14 @@
    Where n is less, the other numbers are of use to nobody.
 
    slopes, memory - of particles near walls
-   whole, part, cell, xi - where particles are
+   at - the particles and nodes, which nobody else may get meanwhile
 S*/
 typedef struct {
-  MpmMarch  *march;
-  MpmSlopes  slopes;
-  PetscInt   dim, begin, n, nodes, comps, step, *node, *offset;
-  PetscReal *S, *g, *memory;
-  PetscInt   whole[MPM_MAX_DIM], *cell[MPM_MAX_DIM];
-  PetscReal  part[MPM_MAX_DIM], *xi[MPM_MAX_DIM];
+  MpmMarch      *march;
+  MpmMarchArrays at;
+  MpmSlopes      slopes;
+  PetscInt       dim, begin, n, nodes, comps, step, *node, *offset;
+  PetscReal     *S, *g, *memory;
 } MpmStencils;
 
 static inline PetscInt MpmStencilsNode(const MpmStencils *s, PetscInt i, PetscInt q)

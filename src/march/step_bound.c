@@ -65,10 +65,8 @@ const char *MpmStepBoundWhyNot(const MpmLayout *layout, const MpmScheme *scheme,
 
 static PetscErrorCode CreateArray(const MpmGrid *grid, PetscReal **array)
 {
-  const MpmGridAxis *last = &grid->axis[grid->dim - 1];
-
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(last->stride * (last->nodes + 2 * grid->ghost), array));
+  PetscCall(PetscCalloc1(MpmGridSize(grid), array));
   *array += grid->origin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -288,11 +286,10 @@ static PetscErrorCode Decide(Pass *s, PetscReal *most, MpmDecider *at)
 {
   const MpmMarch   *march = s->march;
   const MPI_Comm    comm  = PetscObjectComm((PetscObject)march->grid->da);
-  const PetscInt64 *id;
-  PetscInt          mine = MPM_NONE;
+  const PetscInt64 *id    = s->at.at.id;
+  PetscInt          mine  = MPM_NONE;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
   *most = 0;
   for (PetscInt p = 0; p < march->particles->count; p++) *most = fmax(*most, s->value[p]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 1, MPIU_REAL, MPI_MAX, comm));
@@ -310,13 +307,12 @@ static PetscErrorCode Decide(Pass *s, PetscReal *most, MpmDecider *at)
 
     at->place[a] = -INFINITY;
     if (mine == MPM_NONE || id[mine] != at->id) continue;
-    MpmPlaceBlock(1, &s->at.cell[a][mine], &s->at.xi[a][mine], s->at.whole[a], s->at.part[a], &in, &xi);
+    MpmMarchPlaces(&s->at.at, a, 1, &s->at.at.cell[a][mine], &s->at.at.xi[a][mine], 0, &in, &xi);
     at->place[a] = in + march->grid->axis[a].first + xi;
     if (march->grid->axis[a].periodic) /* particles may be in a rank's ghost cells */
       at->place[a] -= march->grid->axis[a].cells * floor(at->place[a] / march->grid->axis[a].cells);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, at->place, (PetscMPIInt)s->dim, MPIU_REAL, MPI_MAX, comm));
-  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -560,14 +556,13 @@ static PetscErrorCode Begin(MpmMarch *march, const MpmStepBounds *b, Pass *s)
   PetscCall(PetscMalloc4(count, &s->weight, count, &s->value, count, &s->stiffness,
                          MPM_STENCILS * MpmSlopesMost(&s->at.slopes), &s->times));
   PetscCall(CreateArray(march->grid, &s->inverse));
-  PetscCall(MpmMarchGetProperty(march, MPM_MASS, &s->mass));
-  PetscCall(MpmMarchGetProperty(march, MPM_VOLUME, &s->volume));
-  PetscCall(MpmMarchGetProperty(march, MPM_STIFFNESS, &stiffness));
+  s->mass   = s->at.at.weight[MPM_MASS];
+  s->volume = s->at.at.weight[MPM_VOLUME];
+  stiffness = s->at.at.weight[MPM_STIFFNESS];
   for (PetscInt p = 0; p < count; p++) {
     s->stiffness[p] = (b->moduli ? b->moduli[p] : 1) * Of(stiffness, p);
     s->weight[p]    = sqrt(Of(s->volume, p));
   }
-  PetscCall(MpmMarchRestoreProperty(march, MPM_STIFFNESS, &stiffness));
   for (PetscInt a = 0; a < s->dim; a++) {
     PetscCall(CreateArray(march->grid, &s->sum[a]));
     PetscCall(CreateArray(march->grid, &s->field[a]));
@@ -584,8 +579,6 @@ static PetscErrorCode End(Pass *s)
     PetscCall(DestroyArray(march->grid, &s->field[a]));
     PetscCall(DestroyArray(march->grid, &s->sum[a]));
   }
-  PetscCall(MpmMarchRestoreProperty(march, MPM_VOLUME, &s->volume));
-  PetscCall(MpmMarchRestoreProperty(march, MPM_MASS, &s->mass));
   PetscCall(DestroyArray(march->grid, &s->inverse));
   PetscCall(PetscFree4(s->weight, s->value, s->stiffness, s->times));
   PetscCall(MpmStencilsDestroy(&s->at));
