@@ -29,6 +29,13 @@ static PetscBool IsFixed(const MpmDirection *direction, PetscInt node, MpmParity
              : PETSC_FALSE;
 }
 
+PetscBool MpmSlopesFix(const MpmSlopes *s, PetscInt component, const PetscInt at[])
+{
+  for (PetscInt a = 0; a < s->layout->dim; a++)
+    if (!s->grid->axis[a].periodic && IsFixed(&s->layout->grid[a], at[a], s->parity[component][a])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 static void RowAlong(const MpmSlopes *s, PetscInt a, PetscInt cell, PetscReal xi, Along *along)
 {
   const MpmGridAxis  *axis = &s->grid->axis[a];
@@ -116,9 +123,6 @@ PetscInt MpmSlopesAt(const MpmSlopes *s, PetscBool merge, const PetscInt cell[],
 
 /* ---- several particles at a time ---- */
 
-/* Calls f(s, ...) with the number of dimensions as a constant. */
-#define BY_DIM(f, ...) (s->dim == 1 ? f(1, __VA_ARGS__) : s->dim == 2 ? f(2, __VA_ARGS__) : f(3, __VA_ARGS__))
-
 static const MpmParity vectors[MPM_MAX_DIM][MPM_MAX_DIM] = {{MPM_NORMAL, MPM_TANGENTIAL, MPM_TANGENTIAL},
                                                             {MPM_TANGENTIAL, MPM_NORMAL, MPM_TANGENTIAL},
                                                             {MPM_TANGENTIAL, MPM_TANGENTIAL, MPM_NORMAL}};
@@ -137,63 +141,33 @@ static PetscBool IsInside(const MpmStencils *s, PetscInt p)
   return PETSC_TRUE;
 }
 
-/* Of particles that are inside: products of the weights along the directions. */
-static inline __attribute__((always_inline)) void FillInside(const PetscInt dim, MpmStencils *s,
-                                                             PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
+/* The weights of particles inside, and their first nodes. */
+static void FillInside(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
 {
-  const MpmBasis *basis              = s->slopes.basis;
-  const PetscInt  along[MPM_MAX_DIM] = {basis->nodes, dim > 1 ? basis->nodes : 1, dim > 2 ? basis->nodes : 1};
-  PetscReal       w[MPM_MAX_DIM][2][MPM_MOST_NODES * MPM_STENCILS];
-  PetscInt        n = 0, d[MPM_MAX_DIM];
+  const MpmBasis *basis = s->slopes.basis;
   MpmBlock        block;
 
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscInt stride = s->march->grid->axis[a].stride;
-
+  for (PetscInt q = 0; q < MPM_STENCILS; q++) s->first[q] = 0;
+  for (PetscInt a = 0; a < s->dim; a++) {
     for (PetscInt q = s->n; q < MPM_STENCILS; q++) {
       in[a][q] = in[a][0];
       at[a][q] = at[a][0];
     }
     MpmBlockPlace(basis, MPM_STENCILS, in[a], at[a], s->march->layout->half_width[a], MpmNoWalls, &block);
-    basis->weights[MPM_P2G](&block, MPM_STENCILS, w[a][0]);
-    basis->weights[s->slopes.kind](&block, MPM_STENCILS, w[a][1]);
-    for (PetscInt q = 0; q < MPM_STENCILS; q++) s->node[q] = (a ? s->node[q] : 0) + block.first[q] * stride;
+    basis->weights[MPM_P2G](&block, MPM_STENCILS, s->weight[a][0]);
+    basis->weights[s->slopes.kind](&block, MPM_STENCILS, s->weight[a][1]);
+    for (PetscInt q = 0; q < MPM_STENCILS; q++) s->first[q] += block.first[q] * s->march->grid->axis[a].stride;
   }
-  for (d[2] = 0; d[2] < along[2]; d[2]++)
-    for (d[1] = 0; d[1] < along[1]; d[1]++)
-      for (d[0] = 0; d[0] < along[0]; d[0]++, n++) {
-        PetscReal *restrict S = s->S + n * MPM_STENCILS, *restrict g = s->g + n * dim * MPM_STENCILS;
-
-        s->offset[n] = 0;
-        for (PetscInt a = 0; a < dim; a++) s->offset[n] += d[a] * s->march->grid->axis[a].stride;
-        for (PetscInt q = 0; q < MPM_STENCILS; q++) {
-          PetscReal phi[MPM_MAX_DIM], slope[MPM_MAX_DIM];
-
-          for (PetscInt a = 0; a < dim; a++) {
-            phi[a]   = w[a][0][d[a] * MPM_STENCILS + q];
-            slope[a] = w[a][1][d[a] * MPM_STENCILS + q];
-          }
-          S[q] = dim == 1 ? phi[0] : dim == 2 ? phi[0] * phi[1] : phi[0] * phi[1] * phi[2];
-          g[q] = dim == 1 ? slope[0] : dim == 2 ? slope[0] * phi[1] : slope[0] * phi[1] * phi[2];
-          if (dim > 1) g[MPM_STENCILS + q] = dim == 2 ? phi[0] * slope[1] : phi[0] * slope[1] * phi[2];
-          if (dim > 2) g[2 * MPM_STENCILS + q] = phi[0] * phi[1] * slope[2];
-        }
-      }
-  s->nodes = n;
-  s->comps = 1;
-  s->step  = 0;
 }
 
-/* The same near walls, particle by particle. Where one has fewer nodes the rest have weight 0. */
+/* Near walls, particle by particle. Where one has fewer nodes the rest have weight 0. */
 static void FillAtWall(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
 {
   const PetscInt most = MpmSlopesMost(&s->slopes), each = s->dim * s->dim;
   PetscInt       node[MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH];
   PetscReal     *shape = s->memory, *slope = s->memory + most;
 
-  s->comps = s->dim;
   s->nodes = most;
-  s->step  = MPM_STENCILS;
   for (PetscInt q = 0; q < MPM_STENCILS; q++) {
     PetscInt  cell[MPM_MAX_DIM], n = 0;
     PetscReal xi[MPM_MAX_DIM];
@@ -204,7 +178,6 @@ static void FillAtWall(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at
     }
     if (q < s->n) n = MpmSlopesAt(&s->slopes, PETSC_TRUE, cell, xi, node, shape, slope);
     for (PetscInt i = 0; i < most; i++) {
-      s->offset[i]                  = 0;
       s->S[i * MPM_STENCILS + q]    = i < n ? shape[i] : 0;
       s->node[i * MPM_STENCILS + q] = i < n ? node[i] : node[0];
       for (PetscInt k = 0; k < each; k++) s->g[(i * each + k) * MPM_STENCILS + q] = i < n ? slope[i * each + k] : 0;
@@ -217,7 +190,6 @@ PetscBool MpmStencilsNext(MpmStencils *s)
   const PetscInt count = s->march->particles->count;
   PetscInt       in[MPM_MAX_DIM][MPM_STENCILS];
   PetscReal      at[MPM_MAX_DIM][MPM_STENCILS];
-  PetscBool      inside;
 
   s->begin += s->n;
   s->n = 0;
@@ -225,12 +197,12 @@ PetscBool MpmStencilsNext(MpmStencils *s)
     s->begin = 0;
     return PETSC_FALSE;
   }
-  inside = IsInside(s, s->begin);
-  while (s->n < MPM_STENCILS && s->begin + s->n < count && IsInside(s, s->begin + s->n) == inside) s->n++;
+  s->inside = IsInside(s, s->begin);
+  while (s->n < MPM_STENCILS && s->begin + s->n < count && IsInside(s, s->begin + s->n) == s->inside) s->n++;
   for (PetscInt a = 0; a < s->dim; a++)
     MpmMarchPlaces(&s->at, a, s->n, s->at.cell[a] + s->begin, s->at.xi[a] + s->begin, 0, in[a], at[a]);
-  if (inside)
-    BY_DIM(FillInside, s, in, at);
+  if (s->inside)
+    FillInside(s, in, at);
   else
     FillAtWall(s, in, at);
   return PETSC_TRUE;
@@ -250,7 +222,7 @@ PetscErrorCode MpmStencilsCreate(MpmMarch *march, MpmStencils *s)
                                   .kind   = march->scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_DIV_MLS : MPM_DIV,
                                   .parity = vectors}};
   most = MpmSlopesMost(&s->slopes);
-  PetscCall(PetscMalloc5(most, &s->offset, MPM_STENCILS * most, &s->node, MPM_STENCILS * most, &s->S,
+  PetscCall(PetscMalloc4(MPM_STENCILS * most, &s->node, MPM_STENCILS * most, &s->S,
                          MPM_STENCILS * most * s->dim * s->dim, &s->g, (1 + s->dim * s->dim) * most, &s->memory));
   PetscCall(MpmMarchGetArrays(march, march->particles->step, &s->at));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -260,6 +232,6 @@ PetscErrorCode MpmStencilsDestroy(MpmStencils *s)
 {
   PetscFunctionBegin;
   PetscCall(MpmMarchRestoreArrays(s->march, &s->at));
-  PetscCall(PetscFree5(s->offset, s->node, s->S, s->g, s->memory));
+  PetscCall(PetscFree4(s->node, s->S, s->g, s->memory));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -37,29 +37,30 @@ PetscInt MpmSlopesMost(const MpmSlopes *slopes);
 PetscInt MpmSlopesAt(const MpmSlopes *slopes, PetscBool merge, const PetscInt cell[], const PetscReal xi[],
                      PetscInt node[], PetscReal shape[], PetscReal slope[]);
 
+/* Not collective. Whether a component of a vector is fixed at a node, which at[] has in the grid. */
+PetscBool MpmSlopesFix(const MpmSlopes *slopes, PetscInt component, const PetscInt at[]);
+
 #define MPM_STENCILS 16
 
 /*S
-   MpmStencils - up to MPM_STENCILS particles that follow one another: begin to begin + n - 1 of this rank. Particle q of them has
-   weight S[i MPM_STENCILS + q] at its i-th node, MpmStencilsNode(s, i, q) of a local array, and slope
-   g[((i comps + c) dim + b) MPM_STENCILS + q] of component c there. Away from walls all components have the same, and comps is 1.
-   Where n is less, the other numbers are of use to nobody.
+   MpmStencils - up to MPM_STENCILS particles that follow one another: begin to begin + n - 1 of this rank.
 
-   slopes, memory - of particles near walls
-   at - the particles and nodes, which nobody else may get meanwhile
+   inside - they are away from walls, where all components have the same slopes and no node is there twice. Their weights are
+            products: weight[a][0][d MPM_STENCILS + q] is phi of particle q along direction a, and weight[a][1] its slope, at nodes
+            first[q] + d stride of a local array. Where n is less, the others are as particle 0.
+   nodes  - at walls particle q has weight S[i MPM_STENCILS + q] at its i-th node, node[i MPM_STENCILS + q] of a local array, and
+            slope g[((i dim + c) dim + b) MPM_STENCILS + q] of component c there, or all are 0
+   memory - of particles near walls
+   at     - the particles and nodes, which nobody else may get meanwhile
 S*/
 typedef struct {
   MpmMarch      *march;
   MpmMarchArrays at;
   MpmSlopes      slopes;
-  PetscInt       dim, begin, n, nodes, comps, step, *node, *offset;
-  PetscReal     *S, *g, *memory;
+  PetscInt       dim, begin, n, nodes, first[MPM_STENCILS], *node;
+  PetscBool      inside;
+  PetscReal      weight[MPM_MAX_DIM][2][MPM_MOST_NODES * MPM_STENCILS], *S, *g, *memory;
 } MpmStencils;
-
-static inline PetscInt MpmStencilsNode(const MpmStencils *s, PetscInt i, PetscInt q)
-{
-  return s->node[i * s->step + q] + s->offset[i];
-}
 
 /*
    MpmStencilsCreate - of a march's particles at their present places; the march must not change meanwhile.
