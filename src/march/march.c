@@ -204,6 +204,8 @@ static PetscErrorCode RegisterEvents(MpmMarch *march)
   PetscCall(PetscLogEventRegister("MpmPass", class_id, &march->pass_event));
   PetscCall(PetscLogEventRegister("MpmGridSum", class_id, &march->sum_event));
   PetscCall(PetscLogEventRegister("MpmMigrate", class_id, &march->migrate_event));
+  PetscCall(PetscLogEventRegister("MpmWatch", class_id, &march->watch_event));
+  PetscCall(PetscLogEventRegister("MpmCertificate", class_id, &march->certificate_event));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -61,7 +61,7 @@ struct MpmMarch_ {
   char                  failure[512];            /* what has happened to a particle, or to a solve; empty: nothing */
   PetscReal            *scratch;                 /* MPM_BLOCK numbers for each scratch register of the particles */
   PetscReal             squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
-  PetscLogEvent         pass_event, sum_event, migrate_event;
+  PetscLogEvent         pass_event, sum_event, migrate_event, watch_event, certificate_event;
   MpmFloatCheck         float_check;
 };
 

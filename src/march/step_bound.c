@@ -705,8 +705,12 @@ PetscErrorCode MpmStepBoundsFind(MpmMarch *march, MpmStepBounds *b)
   b->factor = formulation->step_bound(&march->scheme->numbers, march->scheme->transfer);
   PetscCall(Begin(march, b, &s));
   if (b->kinds & MPM_BOUND_LONE) PetscCall(FindLone(&s, b));
+  PetscCall(PetscLogEventBegin(march->watch_event, 0, 0, 0, 0));
   if (b->kinds & MPM_BOUND_PARTICLE) PetscCall(FindByParticle(&s, b));
+  PetscCall(PetscLogEventEnd(march->watch_event, 0, 0, 0, 0));
+  PetscCall(PetscLogEventBegin(march->certificate_event, 0, 0, 0, 0));
   if (b->kinds & MPM_BOUND_LANCZOS) PetscCall(FindByLanczos(&s, b));
+  PetscCall(PetscLogEventEnd(march->certificate_event, 0, 0, 0, 0));
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, &s.loses, 1, MPIU_BOOL, MPI_LOR, PetscObjectComm((PetscObject)march->grid->da)));
   if (s.loses) b->why_not = "a particle exactly on a node has a slope at a node without mass";
