@@ -197,8 +197,9 @@ PetscBool MpmStencilsNext(MpmStencils *s)
     s->begin = 0;
     return PETSC_FALSE;
   }
-  s->inside = IsInside(s, s->begin);
-  while (s->n < MPM_STENCILS && s->begin + s->n < count && IsInside(s, s->begin + s->n) == s->inside) s->n++;
+  s->inside = s->all || IsInside(s, s->begin) ? PETSC_TRUE : PETSC_FALSE;
+  s->n      = s->all ? PetscMin(MPM_STENCILS, count - s->begin) : 0;
+  while (!s->all && s->n < MPM_STENCILS && s->begin + s->n < count && IsInside(s, s->begin + s->n) == s->inside) s->n++;
   for (PetscInt a = 0; a < s->dim; a++)
     MpmMarchPlaces(&s->at, a, s->n, s->at.cell[a] + s->begin, s->at.xi[a] + s->begin, 0, in[a], at[a]);
   if (s->inside)
@@ -213,14 +214,17 @@ PetscErrorCode MpmStencilsCreate(MpmMarch *march, MpmStencils *s)
   PetscInt most;
 
   PetscFunctionBegin;
-  *s   = (MpmStencils){.march  = march,
-                       .at     = {.march = march},
-                       .dim    = march->layout->dim,
-                       .slopes = {.layout = march->layout,
-                                  .basis  = march->scheme->basis,
-                                  .grid   = march->grid,
-                                  .kind   = march->scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_DIV_MLS : MPM_DIV,
-                                  .parity = vectors}};
+  *s     = (MpmStencils){.march  = march,
+                         .at     = {.march = march},
+                         .dim    = march->layout->dim,
+                         .slopes = {.layout = march->layout,
+                                    .basis  = march->scheme->basis,
+                                    .grid   = march->grid,
+                                    .kind   = march->scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_DIV_MLS : MPM_DIV,
+                                    .parity = vectors}};
+  s->all = MpmLayoutIsPeriodic(march->layout);
+  for (PetscInt a = 0; a < s->dim; a++)
+    if (march->grid->axis[a].cells < MpmMapReach(s->slopes.basis)) s->all = PETSC_FALSE;
   most = MpmSlopesMost(&s->slopes);
   PetscCall(PetscMalloc4(MPM_STENCILS * most, &s->node, MPM_STENCILS * most, &s->S,
                          MPM_STENCILS * most * s->dim * s->dim, &s->g, (1 + s->dim * s->dim) * most, &s->memory));

@@ -50,7 +50,7 @@ PetscBool MpmSlopesFix(const MpmSlopes *slopes, PetscInt component, const PetscI
             first[q] + d stride of a local array. Where n is less, the others are as particle 0.
    nodes  - at walls particle q has weight S[i MPM_STENCILS + q] at its i-th node, node[i MPM_STENCILS + q] of a local array, and
             slope g[((i dim + c) dim + b) MPM_STENCILS + q] of component c there, or all are 0
-   memory - of particles near walls
+   all, memory - all particles are inside; of particles near walls
    at     - the particles and nodes, which nobody else may get meanwhile
 S*/
 typedef struct {
@@ -58,7 +58,7 @@ typedef struct {
   MpmMarchArrays at;
   MpmSlopes      slopes;
   PetscInt       dim, begin, n, nodes, first[MPM_STENCILS], *node;
-  PetscBool      inside;
+  PetscBool      inside, all;
   PetscReal      weight[MPM_MAX_DIM][2][MPM_MOST_NODES * MPM_STENCILS], *S, *g, *memory;
 } MpmStencils;
 
