@@ -23,6 +23,8 @@ LINE_TARGETS, LINE_BYTES = {"gas2": 0.8, "usl": 0.8}, 80  # ratio to plain C, wh
 FINITE_TARGET, FINITE_DRIFTS = 0.7, ("0", "0.01")
 STEP_TARGETS = {"verlet": 1.35, "rk4": 2.6, "rk4 nodes": 2.6}  # ratio to usl
 STEP_CELLS, STEP_WORK = {2: 256, 3: 32}, 40  # cells along each direction; steps
+BOUND_CELLS, BOUND_STEPS = {2: 96, 3: 20}, 100
+WATCH_TARGET, CERTIFICATE_TARGET = 0.35, 0.15  # of a step, for each step of a run
 BOX_COLUMNS = f"d {'cells':>5} {'':4} {'basis':9} {'drift':>5} {'jitter':>6} {'plain C':>7} {'1 rank':>7} {'2 ranks':>7}" \
               f"  {'ratio':>5} {'target':>6} {'':7} {'speed-up':>8} {'pair':>5}"
 COLUMNS = f"{'scheme':8} {'basis':9} {'particles':>9} {'drift':>5}  {'plain C':>13} {'1 rank':>13} {'2 ranks':>13}" \
@@ -40,6 +42,7 @@ def arguments():
     parser.add_argument("--no-numba", action="store_true", help="leave out numba, for gas2")
     parser.add_argument("--boxes", type=listed(("1e3", "1e6", "4e6")), default=("1e6",), help="particles in 2-D and 3-D")
     parser.add_argument("--finite", action="store_true", help="only marches at finite strain, in two and three dimensions")
+    parser.add_argument("--bounds", action="store_true", help="only what bounds of the step cost in a run with courant auto")
     parser.add_argument("--only-boxes", action="store_true", help="leave out one dimension")
     parser.add_argument("--only-steps", action="store_true", help="only the steps of momentum beside one another")
     parser.add_argument("--others", action="store_true", help="beside Taichi and Warp too, which it installs for the time")
@@ -179,6 +182,27 @@ def measure_finite(args):
     return rows
 
 
+def measure_bounds(args):
+    """Measures the bounds of a run that chooses its steps beside its passes, sums over ranks and migrations, in the same run."""
+    rows = []
+    print(f"bounds with courant auto: usl apic, neo, {bench_runs.PPC} particles a cell in each direction, jittered, Mach {bench_runs.MACH}\n"
+          f"in steps, least of {args.repeats}: a watch, watches for each step of the run, certificates for each step; a certificate\n\n"
+          f"d {'cells':>5} {'basis':9} {'watch':>6} {'a step':>7} {'target':>6} {'':7} {'certified':>9} {'target':>6} {'':7} {'one':>6}")
+    for dim, size, basis in itertools.product(bench_runs.BOXES, args.boxes, bench_runs.BASES):
+        row = {"dim": dim, "cells": min(bench_runs.BOXES[dim][size], BOUND_CELLS[dim]), "basis": basis, "steps": BOUND_STEPS}
+        found = [bench_runs.run_bounds(row) for _ in range(args.repeats)]
+        steps = [sum(one[name] for name in ("MpmPass", "MpmGridSum", "MpmMigrate")) for one in found]
+        row["watches"] = min(one["MpmWatch"] / step for one, step in zip(found, steps))
+        row["certificates"] = min(one["MpmCertificate"] / step for one, step in zip(found, steps))
+        row["watch"] = row["watches"] * BOUND_STEPS / found[0]["looks"]
+        row["certificate"] = row["certificates"] * BOUND_STEPS / found[0]["certificates"]
+        print(f"{dim} {row['cells']:5} {basis:9} {row['watch']:6.2f} {row['watches']:7.3f} {WATCH_TARGET:6.2f} "
+              f"{bench_runs.met(row['watches'] <= WATCH_TARGET):7} {row['certificates']:9.3f} {CERTIFICATE_TARGET:6.2f} "
+              f"{bench_runs.met(row['certificates'] <= CERTIFICATE_TARGET):7} {row['certificate']:6.1f}", flush=True)
+        rows.append(row)
+    return rows
+
+
 def measure_boxes(args):
     print(f"usl, {bench_runs.PPC} particles a cell in each direction, nu 0.3; apic has the gradients of MLS-MPM.\n"
           f"ns per particle and step, best of {args.repeats}; ratio of 1 rank to plain C; speed-up of 2 ranks, target "
@@ -257,6 +281,10 @@ def main():
         result["finite"] = measure_finite(args)
         bench_runs.keep(result, args)
         return
+    if args.bounds:
+        result["bounds"] = measure_bounds(args)
+        bench_runs.keep(result, args)
+        return
     bench_runs.compile_all()
     if args.only_steps:
         result["steps"] = measure_steps(args)
@@ -285,6 +313,8 @@ def main():
     result["boxes"] = measure_boxes(args)
     print()
     result["steps"] = measure_steps(args)
+    print()
+    result["bounds"] = measure_bounds(args)
     if args.others:
         result["others"] = bench_others.measure(args.repeats)
     if not args.no_memory:

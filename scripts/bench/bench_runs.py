@@ -216,6 +216,21 @@ def run_finite(row, ranks):
     return run["ns_per_particle_step"], run["energy"]["final"]
 
 
+def run_bounds(row):
+    """Returns seconds of a march that chooses its steps, of its passes, of the bounds that it finds, and how often it found them."""
+    chosen = {"dim": row["dim"], "cells": row["cells"], "formulation": "usl", "transfer": "apic", "kinematics": "finite",
+              "material": "neo", "basis": row["basis"], "ppc": PPC, "jitter": 0.5, "initial": "random", "amplitude": 0.01,
+              "mach": MACH, "courant": "auto", "steps": row["steps"]}
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "log.csv")
+        run = result_of_run("run", chosen | {"log_view": f":{path}:ascii_csv"}, 1)["run"]
+        with open(path, encoding="utf-8", newline="") as file:
+            seconds = {line["Event Name"]: float(line["Time"]) for line in csv.DictReader(file)}
+    found = {name: seconds.get(name, 0) for name in ("MpmPass", "MpmGridSum", "MpmMigrate", "MpmWatch", "MpmCertificate")}
+    return found | {"looks": run["courant_auto"]["looks"], "certificates": run["courant_auto"]["certificates"],
+                    "steps": row["steps"]}
+
+
 def run_plain_finite(row):
     out = json.loads(said([os.path.join(FOLDER, f"finite-{row['dim']}d"),
                            *[str(row[key]) for key in ("cells", "steps", "drift", "amplitude")]]))

@@ -196,12 +196,14 @@ PetscErrorCode MpmPaceSpeeds(const MpmMarch *march, PetscReal **moduli, PetscRea
   for (PetscInt c = 0; c < components; c++)
     PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
   for (PetscInt p = 0; p < n; p++) {
-    PetscReal at[MPM_MOST_STRETCH];
+    PetscReal at[MPM_MOST_STRETCH], modulus;
 
     for (PetscInt c = 0; c < components; c++) at[c] = F[c][p];
-    (*moduli)[p] = fmax(MpmMaterialModulus(&t->material, dim, at), 0) * march->scheme->space.stiffness;
-    speed[0]     = PetscMax(speed[0], sqrt((*moduli)[p]));
+    modulus      = MpmMaterialModulus(&t->material, dim, at);
+    (*moduli)[p] = modulus > 0 ? modulus * march->scheme->space.stiffness : 0;
+    speed[0]     = PetscMax(speed[0], (*moduli)[p]);
   }
+  speed[0] = sqrt(speed[0]);
   for (PetscInt c = 0; c < components; c++)
     PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
   for (PetscInt r = 0; r < t->nstate; r++) {

@@ -3,15 +3,14 @@
    callbacks read and write files.
 */
 #include "analysis/run.h"
-#include "march/conserved.h"
-#include "march/halve.h"
+#include "march/diagnostics.h"
+#include "march/adapt.h"
 #include "march/implicit_solve.h"
 #include "march/march_private.h"
-#include "march/relax.h"
 #include "scene/layout.h"
 #include "scene/material.h"
 #include "base/progress.h"
-#include "march/traffic.h"
+#include "march/passes.h"
 #include <math.h>
 
 #define MOST_SAMPLES 256 /* equally spaced; large growth per step asks for more */

@@ -5,7 +5,7 @@
 #include "io/checkpoint.h"
 #include "io/checkpoint_file.h"
 #include "base/hdf5.h"
-#include "march/conserved.h"
+#include "march/diagnostics.h"
 #include <mpmstab/errors.h>
 #include "scene/fields.h"
 #include "base/textfile.h"

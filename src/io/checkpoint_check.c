@@ -6,10 +6,10 @@
 #include "base/hash.h"
 #include "base/textfile.h"
 #include "io/checkpoint_file.h"
-#include "march/conserved.h"
+#include "march/diagnostics.h"
+#include <mpmstab/errors.h>
 #include "scene/fields.h"
 #include "scene/layout.h"
-#include <mpmstab/errors.h>
 #include <errno.h>
 #include <math.h>
 #include <stdint.h>

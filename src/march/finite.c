@@ -1,5 +1,10 @@
-/* Runs the operations of finite deformation on blocks of particles, and tells which particle has failed. */
+/*
+   A march at finite deformation: its operations on blocks of particles, which particle has failed, where it starts from, and the
+   norms of its state.
+*/
 #include "march/finite.h"
+#include "scene/material.h"
+#include "scene/solution.h"
 #include "scheme/deform.h"
 #include <math.h>
 #include <stdio.h>
@@ -194,5 +199,290 @@ PetscErrorCode MpmFiniteAgree(MpmMarch *march, PetscInt *beyond)
   owner = (PetscMPIInt)all[1];
   if (rank == owner) PetscCall(Describe(march, sizeof march->failure, march->failure));
   PetscCallMPI(MPI_Bcast(march->failure, sizeof march->failure, MPI_CHAR, owner, comm));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- where a march starts from ---- */
+
+/*
+   What state register r starts from: of particles at X, in the scene's unit of length; without X what the uniform state
+   has.
+*/
+static PetscReal Start(const MpmMarch *march, const MpmProfile *profile, PetscInt r, const PetscReal X[])
+{
+  const MpmTable *t   = march->scheme->table;
+  const PetscInt  dim = t->dim, component = t->component[r];
+  PetscReal       value = 0;
+
+  if (X && MpmSolutionOf(march->scene)) return MpmSolutionRegister(march->scene, r, X, X, 0);
+  if (t->field[r] == MPM_STRETCHED && component >= dim * dim) {
+    (void)MpmMaterialInternal(t->material.law, component - dim * dim, &value);
+    return value;
+  }
+  if (t->field[r] == MPM_STRETCHED)
+    return component / dim == component % dim ? march->scheme->space.stretch[component / dim] : 0;
+  if (t->field[r] != MPM_NONE) value = march->velocity[component];
+  if (X && march->scene->initial == MPM_INITIAL_COLLISION && X[0] > march->scene->length[0] / 2) value = -value;
+  if (profile) value += MpmSceneExact(march->scene, profile, r, X, 0) / march->scene->wave_speed;
+  return value;
+}
+
+/* The unit of a component of the stretch: that at the start. Internal variables have none. */
+static PetscReal UnitOf(const MpmMarch *march, PetscInt component)
+{
+  const PetscInt dim = march->scheme->table->dim;
+
+  return component < dim * dim ? march->scheme->space.stretch[component % dim] : 1;
+}
+
+static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, PetscReal noise, PetscInt r,
+                                const PetscInt64 id[])
+{
+  const MpmTable  *t        = march->scheme->table;
+  const PetscBool  stretch  = t->field[r] == MPM_STRETCHED ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal  size     = noise * (stretch ? UnitOf(march, t->component[r]) : 1);
+  const PetscBool  internal = stretch && t->component[r] >= t->dim * t->dim ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt64 seed     = MpmParticlesSeed(march->layout->seed, r);
+  PetscReal       *q;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    PetscReal X[MPM_MAX_DIM] = {0};
+
+    MpmParticlesLagrangian(march->particles, id[p], march->cell_width, X);
+    q[p] = Start(march, profile, r, march->scene ? X : NULL);
+    if (size > 0 && !internal) q[p] += size * (2 * MpmHash(seed, id[p]) - 1);
+  }
+  PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Moves the particles out of their places at rest by random numbers in [-noise, noise) of a cell. */
+static PetscErrorCode Displace(MpmMarch *march, PetscReal noise, const PetscInt64 id[])
+{
+  const MpmGrid *grid   = march->grid;
+  PetscInt64     failed = PETSC_MAX_INT;
+  PetscReal     *way, *xi;
+  PetscInt      *cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(march->particles->count, &way));
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const PetscInt64 seed =
+        MpmParticlesSeed(march->layout->seed, march->scheme->table->nstate + a); /* after those of the state */
+    PetscInt range[2] = {0, 0}, bad;
+
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell));
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[a], &xi));
+    for (PetscInt p = 0; p < march->particles->count; p++) way[p] = noise * (2 * MpmHash(seed, id[p]) - 1);
+    bad = MpmAdvance(&march->layout->grid[a], grid->axis[a].first, march->particles->count, way, cell, xi, range);
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &xi));
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
+    if (bad < march->particles->count) failed = PetscMin(failed, id[bad]);
+  }
+  PetscCall(PetscFree(way));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT64, MPI_MIN, PetscObjectComm((PetscObject)grid->da)));
+  MpmCheckInput(failed == PETSC_MAX_INT,
+                "amplitude %g: the random start moves particle %" PetscInt64_FMT
+                " by a cell or more, or out of the domain; allowed: a smaller one",
+                (double)(march->scene ? march->scene->amplitude : noise), failed);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFiniteFill(MpmMarch *march, PetscReal noise)
+{
+  const MpmScene  *scene   = march->scene;
+  const PetscBool  mode    = scene && scene->initial == MPM_INITIAL_MODE ? PETSC_TRUE : PETSC_FALSE;
+  const MpmProfile profile = mode ? MpmSceneProfile(scene, scene->amplitude) : (MpmProfile){.dim = 0};
+  PetscInt64      *id;
+
+  PetscFunctionBegin;
+  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
+  for (PetscInt r = 0; r < march->scheme->table->nstate; r++)
+    PetscCall(FillField(march, mode ? &profile : NULL, noise, r, id));
+  if (noise > 0) PetscCall(Displace(march, noise, id));
+  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
+  if (noise > 0) PetscCall(MpmMarchRebase(march));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the norms of the state ---- */
+
+/* The rest of way over a period, in [-period / 2, period / 2]. Most ways are there already, and remainder is slow. */
+static PetscReal Shortest(PetscReal way, PetscInt period)
+{
+  return fabs(way) > period / 2.0 ? remainder(way, period) : way;
+}
+
+/* The ways of the particles from the uniform motion along each axis, in cells: the shortest ones in periodic directions. */
+static void Ways(const MpmMarchArrays *at, PetscReal *const way[])
+{
+  const MpmMarch *march = at->march;
+
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    PetscReal X[MPM_MAX_DIM];
+
+    MpmLayoutRest(march->layout, at->id[p], X);
+    for (PetscInt a = 0; a < march->grid->dim; a++) {
+      const MpmDirection *direction = &march->layout->grid[a];
+      const PetscReal     went      = march->velocity[a] * MpmMarchElapsed(march);
+      const PetscReal     from_rest = (march->grid->axis[a].first + at->cell[a][p] - X[a]) + at->xi[a][p] - went;
+
+      way[a][p] = direction->ends[0] == MPM_PERIODIC ? Shortest(from_rest, direction->cells) : from_rest;
+    }
+  }
+}
+
+/* The sum of n numbers over all ranks, and the sum of the squares of their differences from the mean, or from 0. */
+static PetscErrorCode Squares(const MpmMarch *march, PetscInt64 n, const PetscReal q[], PetscBool about_mean,
+                              PetscReal *sum)
+{
+  const MPI_Comm comm    = PetscObjectComm((PetscObject)march->grid->da);
+  PetscReal      both[2] = {0, n}, all = 0, squares = 0, mean;
+
+  PetscFunctionBegin;
+#pragma omp simd reduction(+ : all)
+  for (PetscInt64 p = 0; p < n; p++) all += q[p];
+  both[0] = all;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, both, 2, MPIU_REAL, MPI_SUM, comm));
+  mean = about_mean && both[1] > 0 ? both[0] / both[1] : 0;
+#pragma omp simd reduction(+ : squares)
+  for (PetscInt64 p = 0; p < n; p++) squares += PetscSqr(q[p] - mean);
+  *sum += squares;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The squares of what is left of a state register when its uniform value is taken out. */
+static PetscErrorCode FieldSquares(const MpmMarchArrays *at, PetscInt r, PetscReal left[], PetscReal *sum)
+{
+  const MpmTable *t       = at->march->scheme->table;
+  const PetscBool stretch = t->field[r] == MPM_STRETCHED ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal unit    = stretch ? UnitOf(at->march, t->component[r]) : 1;
+  const PetscReal start   = Start(at->march, NULL, r, NULL);
+  const PetscInt  count   = at->march->particles->count;
+
+  PetscFunctionBegin;
+  for (PetscInt p = 0; p < count; p++) left[p] = (at->particle[r][p] - start) / unit;
+  PetscCall(Squares(at->march, count, left, stretch ? PETSC_FALSE : PETSC_TRUE, sum));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the squares of the node registers that particles are sent to, each without its mean, at this rank's nodes. */
+static PetscErrorCode SeenSquares(const MpmMarchArrays *at, PetscReal *sum)
+{
+  const MpmMarch *march                 = at->march;
+  const MpmTable *t                     = march->scheme->table;
+  PetscBool       taken[MPM_MAX_FIELDS] = {PETSC_FALSE};
+  PetscReal      *values;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(MpmGridNodes(march->grid), &values));
+  for (const MpmOp *op = t->ops; op < t->ops + t->nops; op++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+    if (traits.dst != MPM_ON_NODES || traits.src != MPM_ON_PARTICLES || taken[op->dst]) continue;
+    taken[op->dst] = PETSC_TRUE;
+    PetscCall(MpmGridCopy(march->grid, PETSC_TRUE, 1, values, at->node[op->dst]));
+    PetscCall(Squares(march, MpmGridNodes(march->grid), values, PETSC_TRUE, sum));
+  }
+  PetscCall(PetscFree(values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds m v^2 / 2 of this rank's particles, and moment times that of an affine part, in units of rho0 c^2. */
+static void KineticEnergy(const MpmMarchArrays *at, PetscReal moment, PetscReal *sum)
+{
+  const MpmTable  *t    = at->march->scheme->table;
+  const PetscReal *mass = at->weight[MPM_MASS];
+
+  for (PetscInt r = 0; r < t->nstate; r++) {
+    const PetscReal part = t->field[r] == MPM_NONE ? moment : 1, *q = at->particle[r];
+    PetscReal       kinetic = 0;
+
+    if (t->field[r] == MPM_STRETCHED || part == 0) continue;
+#pragma omp simd reduction(+ : kinetic)
+    for (PetscInt p = 0; p < at->march->particles->count; p++) kinetic += (mass ? mass[p] : 1) * q[p] * q[p] / 2;
+    *sum += part * kinetic;
+  }
+}
+
+/* Adds the energy of this rank's particles in the gravity, in units of rho0 c^2. */
+static void GravityEnergy(const MpmMarchArrays *at, PetscReal *sum)
+{
+  const MpmMarch  *march = at->march;
+  const PetscReal *mass  = at->weight[MPM_MASS];
+
+  for (PetscInt a = 0; a < march->grid->dim && march->scene; a++) {
+    const PetscReal gravity = march->scene->gravity[a] * march->cell_width / PetscSqr(march->scene->wave_speed);
+
+    for (PetscInt p = 0; p < march->particles->count && gravity != 0; p++)
+      *sum -= (mass ? mass[p] : 1) * gravity * (march->grid->axis[a].first + at->cell[a][p] + at->xi[a][p]);
+  }
+}
+
+/* Adds the strain energy of this rank's particles, in units of rho0 c^2. */
+static void StrainEnergy(const MpmMarchArrays *at, PetscReal psi[], PetscReal *sum)
+{
+  const MpmTable  *t         = at->march->scheme->table;
+  const PetscReal *stiffness = at->weight[MPM_STIFFNESS], *volume = at->weight[MPM_VOLUME];
+  const PetscInt   count  = at->march->particles->count;
+  PetscReal        energy = 0;
+
+  MpmMaterialEnergy(&t->material, t->dim, count, (const PetscReal *const *)at->particle + t->stretch, psi);
+#pragma omp simd reduction(+ : energy)
+  for (PetscInt p = 0; p < count; p++) energy += (stiffness ? stiffness[p] : 1) * (volume ? volume[p] : 1) * psi[p];
+  *sum += at->march->scheme->space.stiffness * energy;
+}
+
+/* The volume of a particle at rest, in the scene's unit. The cells are filled in the state that the scene starts from. */
+static PetscReal VolumeAtRest(const MpmMarch *march)
+{
+  PetscReal volume = 1;
+
+  for (PetscInt a = 0; a < march->grid->dim; a++)
+    volume *= march->cell_width / (march->layout->ppc[a] * march->scheme->space.stretch[a]);
+  return volume;
+}
+
+PetscErrorCode MpmFiniteEnergy(const MpmMarch *march, PetscReal psi[], PetscReal *energy)
+{
+  MpmMarchArrays at = {.march = march};
+
+  PetscFunctionBegin;
+  *energy = 0;
+  PetscCall(MpmMarchGetArrays(march, march->particles->step, &at));
+  KineticEnergy(&at, march->scheme->basis->moment, energy);
+  StrainEnergy(&at, psi, energy);
+  PetscCall(MpmMarchRestoreArrays(march, &at));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, energy, 1, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFiniteNorms(const MpmMarch *march, MpmNorms *norms)
+{
+  const PetscInt  count   = march->particles->count;
+  const PetscReal speed   = march->scene ? march->scene->wave_speed : 1;
+  PetscReal       sums[3] = {0, 0, 0}, *way[MPM_MAX_DIM];
+  MpmMarchArrays  at      = {.march = march};
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < march->grid->dim; a++) PetscCall(PetscMalloc1(count, &way[a]));
+  PetscCall(MpmMarchGetArrays(march, march->particles->step, &at));
+  Ways(&at, way);
+  for (PetscInt a = 0; a < march->grid->dim; a++) PetscCall(Squares(march, count, way[a], PETSC_TRUE, &sums[0]));
+  /* the memory of the first way then serves for one number of each particle */
+  for (PetscInt r = 0; r < march->scheme->table->nstate; r++) PetscCall(FieldSquares(&at, r, way[0], &sums[0]));
+  PetscCall(SeenSquares(&at, &sums[2]));
+  KineticEnergy(&at, 0, &sums[1]);
+  GravityEnergy(&at, &sums[1]);
+  StrainEnergy(&at, way[0], &sums[1]);
+  PetscCall(MpmMarchRestoreArrays(march, &at));
+  for (PetscInt a = 0; a < march->grid->dim; a++) PetscCall(PetscFree(way[a]));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
+  norms->state  = sqrt(sums[0] / (PetscReal)march->particles->total);
+  norms->grid   = sqrt(sums[2] / (PetscReal)MpmLayoutNodes(march->layout));
+  norms->energy = sums[1] * VolumeAtRest(march) * speed * speed;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

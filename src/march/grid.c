@@ -1,6 +1,36 @@
-/* Node fields in DMDA vectors. */
+/*
+   Node fields in DMDA vectors, and sums over the copies of nodes that ranks share.
+
+   The sums are made by a star forest over the shared nodes. Each rank sends the sums of its copies to all ranks that
+   have the node too, and each of them adds up. So there is one message to a neighbour, where a sum at the owner and its
+   way back to the ghosts would take two, one after the other. DMLocalToGlobal with ADD_VALUES and back would also copy
+   every node twice, for a few that are shared, and send a message for each field.
+*/
 #include "march/grid.h"
+#include <mpmstab/table.h>
+#include <petscsf.h>
 #include <stdlib.h>
+
+#define HALO_FIELDS (MPM_MAX_FIELDS + 1) /* the most fields at once: those of a table, and the masses */
+
+/*
+   MpmHalo_ - the nodes of a rank that have several copies, as own nodes and ghosts of this and other ranks.
+
+   nnodes             - the number of these nodes
+   copy, copy_node    - indices in a local array of this rank's copies of them, and the nodes' numbers; ncopies of them
+   other_node         - of the nodes of other ranks that are the same, nothers in all: the number here. The first nlower
+                        are those of lower ranks. Those of a node are in the order of ranks
+   sf                 - roots are a rank's nodes, leaves the same nodes of other ranks. On one rank there is none
+   unit               - unit[n]: n numbers side by side, made when it is first needed, or MPI_DATATYPE_NULL
+   own, others, total - sums over a rank's copies, here and on other ranks, and over all copies: all fields at a node side
+                        by side; there is room for so many fields (room)
+*/
+struct MpmHalo_ {
+  PetscSF      sf;
+  PetscInt     nnodes, ncopies, nlower, nothers, *copy, *copy_node, *other_node, room;
+  MPI_Datatype unit[HALO_FIELDS + 1];
+  PetscReal   *own, *others, *total;
+};
 
 /* The owner of a node along one axis, and the node's index there. Returns false for a node beyond a wall. */
 static PetscBool FindAlong(const MpmGridAxis *axis, PetscInt local, PetscInt *rank, PetscInt *index)
@@ -124,6 +154,144 @@ static void ListCopies(const MpmGrid *grid, PetscMPIInt rank, PetscInt count[2],
   if (all) start[count[0]] = count[1];
 }
 
+/* ---- the halo ---- */
+
+/* Lists this rank's copies of n nodes: node i has the copies start[i] to start[i + 1] of all, sorted by rank and index. */
+static void ListOwn(PetscMPIInt rank, PetscInt n, const PetscInt start[], const PetscSFNode all[], MpmHalo *h)
+{
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt c = start[i]; c < start[i + 1]; c++) {
+      if (all[c].rank != rank) continue;
+      h->copy[h->ncopies]        = all[c].index;
+      h->copy_node[h->ncopies++] = i;
+    }
+  }
+}
+
+/* Lists the first copy on each lower or each higher rank. */
+static void ListOthers(PetscMPIInt rank, PetscBool lower, PetscInt n, const PetscInt start[], const PetscSFNode all[],
+                       MpmHalo *h, PetscSFNode others[])
+{
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt c = start[i]; c < start[i + 1]; c++) {
+      if (lower ? all[c].rank >= rank : all[c].rank <= rank) continue;
+      if (c > start[i] && all[c].rank == all[c - 1].rank) continue;
+      others[h->nothers]          = all[c];
+      h->other_node[h->nothers++] = i;
+    }
+  }
+}
+
+/* Connects the nodes of this rank with those of others, which are given by their first copy there. */
+static PetscErrorCode Connect(MPI_Comm comm, PetscInt size, MpmHalo *h, PetscSFNode others[])
+{
+  const PetscInt nothers = h->nothers;
+  PetscInt      *number, *found;
+  PetscSF        every; /* with all nodes of a local array as roots */
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(size, &number, nothers, &found));
+  for (PetscInt c = 0; c < h->ncopies; c++) number[h->copy[c]] = h->copy_node[c];
+  PetscCall(PetscSFCreate(comm, &every));
+  PetscCall(PetscSFSetGraph(every, size, nothers, NULL, PETSC_COPY_VALUES, others, PETSC_COPY_VALUES));
+  PetscCall(PetscSFBcastBegin(every, MPIU_INT, number, found, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(every, MPIU_INT, number, found, MPI_REPLACE));
+  PetscCall(PetscSFDestroy(&every));
+  for (PetscInt l = 0; l < nothers; l++) others[l].index = found[l];
+  PetscCall(PetscFree2(number, found));
+  PetscCall(PetscSFCreate(comm, &h->sf));
+  PetscCall(PetscSFSetGraph(h->sf, h->nnodes, nothers, NULL, PETSC_COPY_VALUES, others, PETSC_COPY_VALUES));
+  PetscCall(PetscSFSetUp(h->sf));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* size: that of a local array. */
+static PetscErrorCode CreateHaloOf(MPI_Comm comm, PetscInt size, PetscInt n, const PetscInt start[],
+                                   const PetscSFNode all[], MpmHalo **halo)
+{
+  PetscMPIInt  rank, ranks;
+  PetscSFNode *others;
+  MpmHalo     *h;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(PetscNew(halo));
+  h         = *halo;
+  h->nnodes = n;
+  for (PetscInt f = 0; f <= HALO_FIELDS; f++) h->unit[f] = MPI_DATATYPE_NULL;
+  PetscCall(PetscMalloc3(start[n], &h->copy, start[n], &h->copy_node, start[n], &h->other_node));
+  PetscCall(PetscMalloc1(start[n], &others));
+  ListOwn(rank, n, start, all, h);
+  ListOthers(rank, PETSC_TRUE, n, start, all, h, others);
+  h->nlower = h->nothers;
+  ListOthers(rank, PETSC_FALSE, n, start, all, h, others);
+  if (ranks > 1) PetscCall(Connect(comm, size, h, others));
+  PetscCall(PetscFree(others));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode DestroyHalo(MpmHalo **halo)
+{
+  MpmHalo *h = *halo;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSFDestroy(&h->sf));
+  for (PetscInt f = 0; f <= HALO_FIELDS; f++)
+    if (h->unit[f] != MPI_DATATYPE_NULL) PetscCallMPI(MPI_Type_free(&h->unit[f]));
+  PetscCall(PetscFree3(h->own, h->others, h->total));
+  PetscCall(PetscFree3(h->copy, h->copy_node, h->other_node));
+  PetscCall(PetscFree(*halo));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes room for n fields. */
+static PetscErrorCode MakeRoom(MpmHalo *h, PetscInt n)
+{
+  PetscFunctionBegin;
+  PetscCheck(n <= HALO_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "more fields than the halo has room for");
+  if (n <= h->room) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree3(h->own, h->others, h->total));
+  PetscCall(PetscMalloc3(n * h->nnodes, &h->own, n * h->nothers, &h->others, h->sf ? n * h->nnodes : 0, &h->total));
+  h->room = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The type of a node's values. */
+static PetscErrorCode GetUnit(MpmHalo *h, PetscInt n, MPI_Datatype *unit)
+{
+  PetscFunctionBegin;
+  if (h->unit[n] == MPI_DATATYPE_NULL) {
+    PetscCallMPI(MPI_Type_contiguous((PetscMPIInt)n, MPIU_REAL, &h->unit[n]));
+    PetscCallMPI(MPI_Type_commit(&h->unit[n]));
+  }
+  *unit = h->unit[n];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the sums of other ranks, n numbers each. */
+static void AddOthers(const MpmHalo *h, PetscInt n, PetscInt begin, PetscInt end)
+{
+  for (PetscInt l = begin; l < end; l++)
+    for (PetscInt f = 0; f < n; f++) h->total[n * h->other_node[l] + f] += h->others[n * l + f];
+}
+
+/* Exchanges the sums of ranks, and adds all in the order of ranks. */
+static PetscErrorCode AddUp(MpmHalo *h, PetscInt n)
+{
+  MPI_Datatype unit;
+
+  PetscFunctionBegin;
+  PetscCall(GetUnit(h, n, &unit));
+  PetscCall(PetscSFBcastBegin(h->sf, unit, h->own, h->others, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(h->sf, unit, h->own, h->others, MPI_REPLACE));
+  PetscCall(PetscArrayzero(h->total, n * h->nnodes));
+  AddOthers(h, n, 0, h->nlower);
+  for (PetscInt i = 0; i < n * h->nnodes; i++) h->total[i] += h->own[i];
+  AddOthers(h, n, h->nlower, h->nothers);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode CreateHalo(MpmGrid *grid)
 {
   const MPI_Comm comm = PetscObjectComm((PetscObject)grid->da);
@@ -137,7 +305,7 @@ static PetscErrorCode CreateHalo(MpmGrid *grid)
   PetscCall(PetscMalloc2(count[0] + 1, &start, count[1], &all));
   start[0] = 0;
   ListCopies(grid, rank, count, start, all);
-  PetscCall(MpmHaloCreate(comm, MpmGridSize(grid), count[0], start, all, &grid->halo));
+  PetscCall(CreateHaloOf(comm, MpmGridSize(grid), count[0], start, all, &grid->halo));
   PetscCall(PetscFree2(start, all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -220,7 +388,7 @@ PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt dim, const MpmDirection dir
 PetscErrorCode MpmGridDestroy(MpmGrid **grid)
 {
   PetscFunctionBegin;
-  PetscCall(MpmHaloDestroy(&(*grid)->halo));
+  PetscCall(DestroyHalo(&(*grid)->halo));
   for (PetscInt a = 0; a < (*grid)->dim; a++) PetscCall(PetscFree((*grid)->axis[a].starts));
   PetscCall(DMDestroy(&(*grid)->da));
   PetscCall(PetscFree(*grid));
@@ -252,60 +420,71 @@ PetscErrorCode MpmGridZero(const MpmGrid *grid, PetscReal array[])
 
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
 {
-  PetscReal *base[MPM_HALO_FIELDS]; /* the arrays from their beginnings */
+  MpmHalo *h = grid->halo;
 
   PetscFunctionBegin;
-  for (PetscInt f = 0; f < n; f++) base[f] = arrays[f] - grid->origin;
-  PetscCall(MpmHaloSum(grid->halo, n, base));
+  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MakeRoom(h, n));
+  PetscCall(PetscArrayzero(h->own, n * h->nnodes));
+  for (PetscInt f = 0; f < n; f++) {
+    PetscReal *restrict own         = h->own + f;
+    const PetscReal *restrict array = arrays[f] - grid->origin;
+
+    for (PetscInt c = 0; c < h->ncopies; c++) own[n * h->copy_node[c]] += array[h->copy[c]];
+  }
+  if (h->sf) PetscCall(AddUp(h, n));
+  for (PetscInt f = 0; f < n; f++) {
+    const PetscReal *restrict sum = (h->sf ? h->total : h->own) + f;
+    PetscReal *restrict array     = arrays[f] - grid->origin;
+
+    for (PetscInt c = 0; c < h->ncopies; c++) array[h->copy[c]] = sum[n * h->copy_node[c]];
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The nodes that lie in the planes across an axis, with all their ghosts. */
-static MpmGridBox Across(const MpmGrid *grid, PetscInt axis)
+void MpmGridImages(const MpmGrid *grid, const MpmDirection direction[], const MpmParity parity[], PetscBool fold,
+                   PetscReal array[])
 {
-  MpmGridBox box = MpmGridBoxOf(grid, grid->ghost);
+  for (PetscInt axis = 0; axis < grid->dim; axis++) {
+    const MpmGridAxis *a   = &grid->axis[axis];
+    MpmGridBox         box = MpmGridBoxOf(grid, grid->ghost);
+    PetscReal          sign[2];
 
-  box.lo[axis] = 0;
-  box.hi[axis] = 1;
-  return box;
-}
+    if (!a->wall[0] && !a->wall[1]) continue;
+    MpmDirectionMirror(&direction[axis], parity[axis], sign);
+    box.lo[axis] = 0;
+    box.hi[axis] = 1;
+    for (PetscInt r = 0; r < MpmGridRows(&box); r++)
+      for (PetscInt i = box.lo[0]; i < box.hi[0]; i++)
+        for (int end = 0; end < 2; end++) {
+          const PetscInt inward = end ? -a->stride : a->stride, last = fold ? grid->ghost - 1 : grid->ghost;
+          PetscReal     *wall = array + MpmGridRow(grid, &box, r) + i + (end ? (a->nodes - 1) * a->stride : 0);
 
-void MpmGridFold(const MpmGrid *grid, PetscInt axis, const PetscReal sign[2], PetscReal array[])
-{
-  const MpmGridAxis *a   = &grid->axis[axis];
-  const MpmGridBox   box = Across(grid, axis);
-  const PetscInt     s   = a->stride;
-
-  if (!a->wall[0] && !a->wall[1]) return;
-  for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
-    for (PetscInt i = box.lo[0]; i < box.hi[0]; i++) {
-      PetscReal *left = array + MpmGridRow(grid, &box, r) + i, *right = left + (a->nodes - 1) * s;
-
-      for (PetscInt g = 1; g < grid->ghost; g++) {
-        if (a->wall[0]) left[g * s] += sign[0] * left[-g * s];
-        if (a->wall[1]) right[-g * s] += sign[1] * right[g * s];
-      }
-    }
+          for (PetscInt g = 1; g <= last && a->wall[end]; g++)
+            if (fold)
+              wall[g * inward] += sign[end] * wall[-g * inward];
+            else
+              wall[-g * inward] = sign[end] * wall[g * inward];
+        }
   }
 }
 
-void MpmGridReflect(const MpmGrid *grid, PetscInt axis, const PetscReal sign[2], PetscReal array[])
+PetscErrorCode MpmGridCopy(const MpmGrid *grid, PetscBool back, PetscInt stride, PetscReal own[], PetscReal array[])
 {
-  const MpmGridAxis *a   = &grid->axis[axis];
-  const MpmGridBox   box = Across(grid, axis);
-  const PetscInt     s   = a->stride;
+  const MpmGridBox box = MpmGridBoxOf(grid, 0);
 
-  if (!a->wall[0] && !a->wall[1]) return;
+  PetscFunctionBegin;
+  if (!back) PetscCall(MpmGridZero(grid, array));
   for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
-    for (PetscInt i = box.lo[0]; i < box.hi[0]; i++) {
-      PetscReal *left = array + MpmGridRow(grid, &box, r) + i, *right = left + (a->nodes - 1) * s;
+    PetscReal *row = array + MpmGridRow(grid, &box, r);
 
-      for (PetscInt g = 1; g <= grid->ghost; g++) {
-        if (a->wall[0]) left[-g * s] = sign[0] * left[g * s];
-        if (a->wall[1]) right[g * s] = sign[1] * right[-g * s];
-      }
-    }
+    for (PetscInt i = 0; i < box.hi[0]; i++, own += stride)
+      if (back)
+        *own = row[i];
+      else
+        row[i] = *own;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscMPIInt MpmGridOwner(const MpmGrid *grid, const PetscInt cell[])

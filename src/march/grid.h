@@ -1,8 +1,10 @@
 /* Grid: node fields in DMDA vectors, one node a cell, and the sum over ranks of what particles give to shared nodes. */
 #pragma once
-#include "march/halo.h"
 #include "march/partition.h"
+#include <mpmstab/layout.h>
 #include <petscdmda.h>
+
+typedef struct MpmHalo_ MpmHalo; /* the nodes that ranks share */
 
 /*S
    MpmGridAxis - one direction of a grid, and the part of it that this rank has. Node i is the left end of cell i.
@@ -79,13 +81,18 @@ PetscErrorCode MpmGridZero(const MpmGrid *grid, PetscReal array[]);
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
 
 /*
-   Not collective. Nodes beyond a wall are mirror images, sign[end] times those inside. MpmGridFold adds the sums at
-   images, within ghost - 1 nodes of the wall, to the nodes that they are images of. MpmGridReflect sets the images.
-   Both act along one axis, on all nodes and ghosts of the other directions. At corners one axis after the other does
-   what is right.
+   Not collective. Nodes beyond a wall are mirror images, with a sign that follows from the parity along the direction. With fold
+   the sums at images, within ghost - 1 nodes of the wall, are added to the nodes that they are images of. Else the images are
+   set. One direction comes after the other, each on all nodes and ghosts of the others, which does what is right at corners.
 */
-void MpmGridFold(const MpmGrid *grid, PetscInt axis, const PetscReal sign[2], PetscReal array[]);
-void MpmGridReflect(const MpmGrid *grid, PetscInt axis, const PetscReal sign[2], PetscReal array[]);
+void MpmGridImages(const MpmGrid *grid, const MpmDirection direction[], const MpmParity parity[], PetscBool fold,
+                   PetscReal array[]);
+
+/*
+   Not collective. Copies own[stride n], of the n-th node that this rank owns, to a local array whose ghosts become 0, so that a
+   sum over the copies is the owner's number; or back.
+*/
+PetscErrorCode MpmGridCopy(const MpmGrid *grid, PetscBool back, PetscInt stride, PetscReal own[], PetscReal array[]);
 
 /* Not collective. The rank that owns a cell, which has an index in [0, cells) in each direction. */
 PetscMPIInt MpmGridOwner(const MpmGrid *grid, const PetscInt cell[]);

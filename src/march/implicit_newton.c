@@ -5,7 +5,7 @@
      R(a_i) = M (a_i - k f(w)) = 0,    w = k (v_i + theta a_i),    f = - DIV T + the body force
 
    T = P((I + theta L) F) F^T, L = GRAD w, is the stress at the part theta of the step, brought back to its start
-   (scheme/stress_ahead.c). For theta > 0 R is the gradient of the potential (a_i, a_i) / 2 + sum_p V_p psi((I + theta L) F) /
+   (scheme/deform.c). For theta > 0 R is the gradient of the potential (a_i, a_i) / 2 + sum_p V_p psi((I + theta L) F) /
    theta^2, so that its matrix is symmetric; where the material softens it may be indefinite. Conjugate gradients stop at the
    first direction that shows it, and the line search goes along the direction that they have by then.
 

@@ -1,6 +1,6 @@
 /* Solves (M + a M K) y = M f on the grid of the march. */
 #include "march/implicit_solve.h"
-#include "march/slopes.h"
+#include "march/stencils.h"
 #include "scheme/maps.h"
 #include <mpmstab/errors.h>
 
@@ -12,26 +12,14 @@
 
 PetscErrorCode MpmImplicitCopy(const MpmMarch *march, PetscInt first, PetscBool back, Vec vector)
 {
-  const PetscInt   dim = march->grid->dim;
-  const MpmGridBox box = MpmGridBoxOf(march->grid, 0);
-  PetscReal       *v;
+  const PetscInt dim = march->grid->dim;
+  PetscReal     *v, *node;
 
   PetscFunctionBegin;
   PetscCall(VecGetArray(vector, &v));
   for (PetscInt c = 0; c < dim; c++) {
-    PetscReal *node;
-
     PetscCall(MpmGridGetArray(march->grid, march->node[first + c], &node));
-    if (!back) PetscCall(MpmGridZero(march->grid, node)); /* so that the sum with the ghosts is the owner's number */
-    for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
-      PetscReal *row = node + MpmGridRow(march->grid, &box, r), *own = v + dim * r * box.hi[0] + c;
-
-      for (PetscInt i = 0; i < box.hi[0]; i++)
-        if (back)
-          own[dim * i] = row[i];
-        else
-          row[i] = own[dim * i];
-    }
+    PetscCall(MpmGridCopy(march->grid, back, dim, v + c, node));
     PetscCall(MpmGridRestoreArray(march->grid, march->node[first + c], &node));
   }
   PetscCall(VecRestoreArray(vector, &v));
@@ -48,12 +36,7 @@ PetscErrorCode MpmImplicitSpread(const MpmMarch *march, PetscInt first, Vec vect
   for (PetscInt c = 0; c < grid->dim; c++) PetscCall(MpmGridGetArray(grid, march->node[first + c], &node[c]));
   PetscCall(MpmGridSum(grid, grid->dim, node));
   for (PetscInt c = 0; c < grid->dim; c++) {
-    for (PetscInt axis = 0; axis < grid->dim; axis++) {
-      PetscReal mirror[2];
-
-      MpmDirectionMirror(&march->layout->grid[axis], march->scheme->table->parity[first + c][axis], mirror);
-      MpmGridReflect(grid, axis, mirror, node[c]);
-    }
+    MpmGridImages(grid, march->layout->grid, march->scheme->table->parity[first + c], PETSC_FALSE, node[c]);
     PetscCall(MpmGridRestoreArray(grid, march->node[first + c], &node[c]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -130,33 +113,28 @@ static void Block(const MpmImplicitSolve *s, PetscReal times, const PetscReal to
 /* Adds all particles' parts of a M K. */
 static PetscErrorCode AddParticles(MpmImplicitSolve *s)
 {
-  const MpmParticles *particles = s->march->particles;
-  const PetscInt      dim = s->march->layout->dim, origin = s->march->grid->origin;
-  const MpmSlopes     slopes = {.layout = s->march->layout,
-                                .basis  = s->march->scheme->basis,
-                                .grid   = s->march->grid,
-                                .kind   = s->slope,
-                                .parity = s->k->parity + s->k->solved};
-  const PetscInt      most   = MpmSlopesMost(&slopes);
-  const PetscReal    *volume, *stiffness;
-  PetscInt           *cell[MPM_MAX_DIM], *node, whole[MPM_MAX_DIM];
-  PetscReal          *xi[MPM_MAX_DIM], *shape, *slope, part[MPM_MAX_DIM];
+  const PetscInt  dim = s->march->layout->dim, origin = s->march->grid->origin;
+  const MpmSlopes slopes = {.layout = s->march->layout,
+                            .basis  = s->march->scheme->basis,
+                            .grid   = s->march->grid,
+                            .kind   = s->slope,
+                            .parity = s->k->parity + s->k->solved};
+  const PetscInt  most   = MpmSlopesMost(&slopes);
+  PetscInt       *node;
+  PetscReal      *shape, *slope;
+  MpmMarchArrays  arrays = {.march = s->march};
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc3(most, &node, most, &shape, most * dim * dim, &slope));
-  PetscCall(MpmMarchGetProperty(s->march, MPM_VOLUME, &volume));
-  PetscCall(MpmMarchGetProperty(s->march, MPM_STIFFNESS, &stiffness));
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscCall(MpmParticlesGet(particles, MpmFieldCell[a], &cell[a]));
-    PetscCall(MpmParticlesGet(particles, MpmFieldXi[a], &xi[a]));
-    PetscCall(MpmParticlesWhere(particles, a, s->step, &whole[a], &part[a]));
-  }
-  for (PetscInt p = 0; p < particles->count; p++) {
-    const PetscReal times = s->a * (volume ? volume[p] : 1) * (stiffness && !s->snes ? stiffness[p] : 1);
-    PetscReal       block[MPM_MAX_DIM * MPM_MAX_DIM], at[MPM_MAX_DIM];
-    PetscInt        in[MPM_MAX_DIM], n;
+  PetscCall(MpmMarchGetArrays(s->march, s->step, &arrays));
+  for (PetscInt p = 0; p < s->march->particles->count; p++) {
+    const PetscReal *volume = arrays.weight[MPM_VOLUME], *stiffness = s->snes ? NULL : arrays.weight[MPM_STIFFNESS];
+    const PetscReal  times = s->a * (volume ? volume[p] : 1) * (stiffness ? stiffness[p] : 1);
+    PetscReal        block[MPM_MAX_DIM * MPM_MAX_DIM], at[MPM_MAX_DIM];
+    PetscInt         in[MPM_MAX_DIM], n;
 
-    for (PetscInt a = 0; a < dim; a++) MpmPlaceBlock(1, &cell[a][p], &xi[a][p], whole[a], part[a], &in[a], &at[a]);
+    for (PetscInt a = 0; a < dim; a++)
+      MpmMarchPlaces(&arrays, a, 1, &arrays.cell[a][p], &arrays.xi[a][p], 0, &in[a], &at[a]);
     n = MpmSlopesAt(&slopes, PETSC_FALSE, in, at, node, shape, slope);
     for (PetscInt i = 0; i < n; i++) node[i] += origin;
     if (s->snes) MpmImplicitTerm(s, p);
@@ -167,12 +145,7 @@ static PetscErrorCode AddParticles(MpmImplicitSolve *s)
         PetscCall(MatSetValuesBlockedLocal(s->blocks, 1, &node[i], 1, &node[j], block, ADD_VALUES));
       }
   }
-  for (PetscInt a = 0; a < dim; a++) {
-    PetscCall(MpmParticlesRestore(particles, MpmFieldXi[a], &xi[a]));
-    PetscCall(MpmParticlesRestore(particles, MpmFieldCell[a], &cell[a]));
-  }
-  PetscCall(MpmMarchRestoreProperty(s->march, MPM_STIFFNESS, &stiffness));
-  PetscCall(MpmMarchRestoreProperty(s->march, MPM_VOLUME, &volume));
+  PetscCall(MpmMarchRestoreArrays(s->march, &arrays));
   PetscCall(PetscFree3(node, shape, slope));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

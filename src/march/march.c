@@ -3,11 +3,9 @@
    another rank before they would leave the ghost layer.
 */
 #include "base/large_pages.h"
+#include "march/adapt.h"
 #include "march/finite.h"
-#include "march/finite_state.h"
-#include "march/halve.h"
 #include "march/implicit_solve.h"
-#include "march/relax.h"
 #include <math.h>
 
 #define OF_PARTICLE 12.0 /* bytes: id and owner */
@@ -107,7 +105,7 @@ PetscErrorCode MpmMarchGetArrays(const MpmMarch *march, PetscInt64 step, MpmMarc
 {
   PetscFunctionBegin;
   a->step = step;
-  if (march->particles->own) PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &a->id));
+  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &a->id));
   for (PetscInt d = 0; d < march->grid->dim; d++) {
     PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[d], &a->cell[d]));
     PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[d], &a->xi[d]));
@@ -136,7 +134,7 @@ PetscErrorCode MpmMarchRestoreArrays(const MpmMarch *march, MpmMarchArrays *a)
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[d], &a->xi[d]));
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[d], &a->cell[d]));
   }
-  if (march->particles->own) PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &a->id));
+  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &a->id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -206,6 +204,8 @@ static PetscErrorCode RegisterEvents(MpmMarch *march)
   PetscCall(PetscLogEventRegister("MpmPass", class_id, &march->pass_event));
   PetscCall(PetscLogEventRegister("MpmGridSum", class_id, &march->sum_event));
   PetscCall(PetscLogEventRegister("MpmMigrate", class_id, &march->migrate_event));
+  PetscCall(PetscLogEventRegister("MpmWatch", class_id, &march->watch_event));
+  PetscCall(PetscLogEventRegister("MpmCertificate", class_id, &march->certificate_event));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

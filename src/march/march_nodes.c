@@ -2,20 +2,6 @@
 #include "march/march_nodes.h"
 #include <math.h>
 
-/* Folds the sums of a field at images beyond walls, or sets the images. One axis comes after the other. */
-static void Images(const MpmMarch *march, const MpmParity parity[], PetscBool fold, PetscReal array[])
-{
-  for (PetscInt d = 0; d < march->grid->dim; d++) {
-    PetscReal sign[2];
-
-    MpmDirectionMirror(&march->layout->grid[d], parity[d], sign);
-    if (fold)
-      MpmGridFold(march->grid, d, sign, array);
-    else
-      MpmGridReflect(march->grid, d, sign, array);
-  }
-}
-
 PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const sums[], const MpmParity *const parity[],
                            PetscBool with_mass, PetscReal mass[])
 {
@@ -27,8 +13,8 @@ PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const s
 
   PetscFunctionBegin;
   PetscCall(PetscLogEventBegin(march->sum_event, 0, 0, 0, 0));
-  for (PetscInt f = 0; f < n; f++) Images(march, parity[f], PETSC_TRUE, all[f] = sums[f]);
-  if (with_mass) Images(march, even, PETSC_TRUE, all[n] = mass);
+  for (PetscInt f = 0; f < n; f++) MpmGridImages(grid, march->layout->grid, parity[f], PETSC_TRUE, all[f] = sums[f]);
+  if (with_mass) MpmGridImages(grid, march->layout->grid, even, PETSC_TRUE, all[n] = mass);
   PetscCall(MpmGridSum(grid, n + (with_mass ? 1 : 0), all));
   for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
     const PetscInt row = MpmGridRow(grid, &box, r) + box.lo[0];
@@ -42,7 +28,7 @@ PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const s
       for (PetscInt i = 0; i < nodes; i++) q[i] *= m[i];
     }
   }
-  for (PetscInt f = 0; f < n; f++) Images(march, parity[f], PETSC_FALSE, sums[f]);
+  for (PetscInt f = 0; f < n; f++) MpmGridImages(grid, march->layout->grid, parity[f], PETSC_FALSE, sums[f]);
   PetscCall(PetscLogEventEnd(march->sum_event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -64,7 +50,7 @@ PetscErrorCode MpmNodesRefresh(const MpmMarch *march, const MpmParity parity[], 
         if (ghost) field[node] = 0; /* so that the sum of all copies is the owner's value */
       }
   PetscCall(MpmGridSum(grid, 1, &field));
-  Images(march, parity, PETSC_FALSE, field);
+  MpmGridImages(grid, march->layout->grid, parity, PETSC_FALSE, field);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -129,7 +115,7 @@ static void Collide(const MpmMarch *march, const MpmNodeOp *op, PetscReal time, 
         if (MpmCollidersProject(march->layout->colliders, grid->dim, x, time, u, slope))
           field[op->dst][node] += u[op->axis] - before;
       }
-  Images(march, march->scheme->table->parity[op->dst], PETSC_FALSE, field[op->dst]);
+  MpmGridImages(grid, march->layout->grid, march->scheme->table->parity[op->dst], PETSC_FALSE, field[op->dst]);
 }
 
 PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmNodeOp *op, PetscInt64 step, PetscReal *const field[])

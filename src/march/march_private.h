@@ -12,8 +12,8 @@ typedef struct MpmRowPlan_       MpmRowPlan;       /* a pass compiled for rows o
 typedef struct MpmImplicitSolve_ MpmImplicitSolve; /* march/implicit_solve.h */
 typedef struct MpmSolving_       MpmSolving;       /* a nonlinear system (march/finite.h) */
 typedef struct MpmWatch_ MpmWatch; /* what passes find out about particles that move each by itself (march/finite.h) */
-typedef struct MpmHalve_ MpmHalve; /* steps that are taken in parts (march/halve.h) */
-typedef struct MpmRelax_ MpmRelax; /* the increments of a step (march/relax.h) */
+typedef struct MpmHalve_ MpmHalve; /* steps that are taken in parts (march/adapt.h) */
+typedef struct MpmRelax_ MpmRelax; /* the increments of a step (march/adapt.h) */
 typedef struct MpmCloudPlan_ MpmCloudPlan; /* and for particles that share no coordinate (march/clouds.h) */
 
 /*
@@ -61,7 +61,7 @@ struct MpmMarch_ {
   char                  failure[512];            /* what has happened to a particle, or to a solve; empty: nothing */
   PetscReal            *scratch;                 /* MPM_BLOCK numbers for each scratch register of the particles */
   PetscReal             squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
-  PetscLogEvent         pass_event, sum_event, migrate_event;
+  PetscLogEvent         pass_event, sum_event, migrate_event, watch_event, certificate_event;
   MpmFloatCheck         float_check;
 };
 
@@ -198,10 +198,6 @@ void MpmMarchPlaces(const MpmMarchArrays *arrays, PetscInt axis, PetscInt n, con
 
 /* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
 PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);
-
-/* Not collective. The array of a property of this rank's particles where it varies, else NULL; and its return. */
-PetscErrorCode MpmMarchGetProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values);
-PetscErrorCode MpmMarchRestoreProperty(const MpmMarch *march, MpmProperty property, const PetscReal **values);
 
 /* Collective. P2G of one particle field at the present places, into a local vector with its ghosts. */
 PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node);

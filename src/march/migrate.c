@@ -8,6 +8,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
+#define SHARE 16 /* one particle in so many may be in a cell before that of the particle before it */
+
 /*
    Sets the global cell of each particle along one axis. Cells are global until particles have arrived. The particles are
    at whole cells and part of a cell from their resting places.
@@ -88,6 +90,47 @@ static PetscErrorCode SetRestingCells(MpmParticles *particles, const MpmGridAxis
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The number of a particle's cell in the box of this rank's cells and ghosts. */
+static PetscInt Number(const MpmGrid *grid, PetscInt *const cell[], PetscInt p)
+{
+  PetscInt number = 0;
+
+  for (PetscInt a = grid->dim - 1; a >= 0; a--)
+    number = number * (grid->axis[a].count + 2 * grid->ghost) + cell[a][p] + grid->ghost;
+  return number;
+}
+
+static PetscErrorCode GetCells(const MpmParticles *particles, const MpmGrid *grid, PetscInt *cell[])
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < grid->dim; a++) PetscCall(MpmParticlesGet(particles, MpmFieldCell[a], &cell[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode RestoreCells(const MpmParticles *particles, const MpmGrid *grid, PetscInt *cell[])
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < grid->dim; a++) PetscCall(MpmParticlesRestore(particles, MpmFieldCell[a], &cell[a]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* order[i] is the i-th particle by its cell, x fastest. Those of a cell stay in the order that they are in. */
+static PetscErrorCode FindCellOrder(const MpmParticles *particles, const MpmGrid *grid, PetscInt order[])
+{
+  PetscInt cells = 1, *cell[MPM_MAX_DIM], *next;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < grid->dim; a++) cells *= grid->axis[a].count + 2 * grid->ghost;
+  PetscCall(PetscCalloc1(cells + 1, &next));
+  PetscCall(GetCells(particles, grid, cell));
+  for (PetscInt p = 0; p < particles->count; p++) next[Number(grid, cell, p) + 1]++;
+  for (PetscInt c = 0; c < cells; c++) next[c + 1] += next[c];
+  for (PetscInt p = 0; p < particles->count; p++) order[next[Number(grid, cell, p)]++] = p;
+  PetscCall(RestoreCells(particles, grid, cell));
+  PetscCall(PetscFree(next));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* order[i] is the i-th particle by (cell, xi, id): a sort by cell, then an insertion sort within a cell. */
 static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *grid, PetscInt order[])
 {
@@ -96,7 +139,7 @@ static PetscErrorCode FindOrder(const MpmParticles *particles, const MpmGrid *gr
   const PetscInt   *cell;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesCellOrder(particles, grid, order));
+  PetscCall(FindCellOrder(particles, grid, order));
   PetscCall(MpmParticlesGet(particles, DMSwarmField_pid, &id));
   PetscCall(MpmParticlesGet(particles, MpmFieldXi[0], &xi));
   PetscCall(MpmParticlesGet(particles, MpmFieldCell[0], &cell));
@@ -194,7 +237,7 @@ PetscErrorCode MpmParticlesSort(MpmParticles *particles, const MpmGrid *grid)
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(particles->count, &order));
   if (particles->own)
-    PetscCall(MpmParticlesCellOrder(particles, grid, order));
+    PetscCall(FindCellOrder(particles, grid, order));
   else if (grid->dim == 1)
     PetscCall(FindOrder(particles, grid, order));
   else
@@ -211,6 +254,23 @@ PetscErrorCode MpmParticlesSort(MpmParticles *particles, const MpmGrid *grid)
     if (particles->layout->varies[w]) PetscCall(Reorder(particles, MpmPropertyNames[w], order, buffer));
   PetscCall(PetscFree(buffer));
   PetscCall(PetscFree(order));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmParticlesSortIfNeeded(MpmParticles *particles, const MpmGrid *grid)
+{
+  PetscInt before = 0, n = 0, *cell[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  PetscCall(GetCells(particles, grid, cell));
+  for (PetscInt p = 0; p < particles->count; p++) {
+    const PetscInt number = Number(grid, cell, p);
+
+    n += number < before;
+    before = number;
+  }
+  PetscCall(RestoreCells(particles, grid, cell));
+  if (n > particles->count / SHARE) PetscCall(MpmParticlesSort(particles, grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -180,22 +180,14 @@ static PetscErrorCode SetRight(MpmNodalSolve *s, const PetscReal inverse_mass[],
 /* Copies the solution to a local array, with its ghosts and the images beyond walls. */
 static PetscErrorCode CopySolution(const MpmNodalSolve *s, PetscReal y[])
 {
-  const MpmGridBox box = MpmGridBoxOf(s->grid, 0);
-  const PetscReal *a;
+  PetscReal *a;
 
   PetscFunctionBegin;
-  PetscCall(MpmGridZero(s->grid, y)); /* so that the sum with the ghosts is the owner's number */
-  PetscCall(VecGetArrayRead(s->solution, &a));
-  for (PetscInt r = 0; r < MpmGridRows(&box); r++)
-    PetscCall(PetscArraycpy(y + MpmGridRow(s->grid, &box, r), a + r * box.hi[0], box.hi[0]));
-  PetscCall(VecRestoreArrayRead(s->solution, &a));
+  PetscCall(VecGetArray(s->solution, &a));
+  PetscCall(MpmGridCopy(s->grid, PETSC_FALSE, 1, a, y));
+  PetscCall(VecRestoreArray(s->solution, &a));
   PetscCall(MpmGridSum(s->grid, 1, &y));
-  for (PetscInt axis = 0; axis < s->layout->dim; axis++) {
-    PetscReal mirror[2];
-
-    MpmDirectionMirror(&s->layout->grid[axis], s->parity[axis], mirror);
-    MpmGridReflect(s->grid, axis, mirror, y);
-  }
+  MpmGridImages(s->grid, s->layout->grid, s->parity, PETSC_FALSE, y);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

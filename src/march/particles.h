@@ -61,6 +61,12 @@ PetscErrorCode MpmParticlesFill(const MpmScene *scene, PetscInt exponent, MpmPar
 /* Not collective. Sets every field to random numbers in [-amplitude, amplitude), hashed from seed and particle id. */
 PetscErrorCode MpmParticlesFillRandom(PetscInt64 seed, PetscReal amplitude, MpmParticles *particles);
 
+/* Not collective. A seed for each random field of a layout with a seed, so that these are independent. */
+static inline PetscInt64 MpmParticlesSeed(PetscInt64 seed, PetscInt field)
+{
+  return (PetscInt64)(0x1p52 * MpmHash(seed + 1, -2 - field));
+}
+
 /* Not collective. Sets the properties that vary, from the ids of the particles. */
 PetscErrorCode MpmParticlesWeigh(MpmParticles *particles);
 
@@ -96,14 +102,6 @@ static inline void MpmParticlesLagrangian(const MpmParticles *particles, PetscIn
   MpmLayoutRest(particles->layout, id, X);
   for (PetscInt a = 0; a < particles->layout->dim; a++) X[a] *= cell_width;
 }
-
-/* Not collective. Places the particles of this rank, in the order of their places. MpmParticlesCreate calls it. */
-PetscErrorCode MpmParticlesPlace(const MpmGrid *grid, MpmParticles *particles);
-
-/*
-   Not collective. order[i] is the i-th particle by its cell, x fastest. Those of a cell stay in the order that they are in.
-*/
-PetscErrorCode MpmParticlesCellOrder(const MpmParticles *particles, const MpmGrid *grid, PetscInt order[]);
 
 /*
    MpmParticlesSortIfNeeded - brings particles that move each by itself into the order of their cells, if some share of

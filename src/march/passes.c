@@ -1,10 +1,209 @@
-/* Compiles a table to passes. */
+/*
+   Compiles a table to passes. Its operations are first put in an order for which a march needs fewer passes over the particles.
+   They do the same but for rounding.
+*/
 #include "march/passes.h"
-#include "march/reorder.h"
+
+/* ---- the order of the operations ---- */
+
+/* Operations that are run one after the other as those of a table. */
+typedef struct {
+  PetscInt n, room;
+  MpmOp   *op;
+} OpList;
+
+#define MOST_TERMS 8 /* node fields whose sum an old value is */
+
+/* What particles take from nodes, written as what they take later on: a sum of terms. */
+typedef struct {
+  PetscInt n;
+  MpmOp    term[MOST_TERMS];
+} Delayed;
+
+static PetscBool IsGather(const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  return traits.src == MPM_ON_NODES && traits.dst == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool IsSum(const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  return traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool IsOfNodes(const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  return traits.src == MPM_ON_NODES && traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Whether an operation reads or writes a field of the particles, or moves them. */
+static PetscBool Touches(const MpmOp *op, PetscInt particle)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  if (traits.dst == MPM_NOWHERE) return PETSC_TRUE;
+  return (traits.dst == MPM_ON_PARTICLES && op->dst == particle) ||
+                 (traits.src == MPM_ON_PARTICLES && op->src == particle)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+static void Remove(OpList *l, PetscInt at)
+{
+  l->n--;
+  for (PetscInt o = at; o < l->n; o++) l->op[o] = l->op[o + 1];
+}
+
+static PetscErrorCode Insert(OpList *l, PetscInt at, MpmOp op)
+{
+  PetscFunctionBegin;
+  if (l->n == l->room) {
+    l->room = 2 * l->room + 1;
+    PetscCall(PetscRealloc(sizeof(MpmOp) * (size_t)l->room, &l->op));
+  }
+  for (PetscInt o = l->n++; o > at; o--) l->op[o] = l->op[o - 1];
+  l->op[at] = op;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CreateList(const MpmTable *t, OpList *l)
+{
+  PetscFunctionBegin;
+  *l = (OpList){.n = t->nops, .room = t->nops};
+  PetscCall(PetscMalloc1(l->room, &l->op));
+  PetscCall(PetscArraycpy(l->op, t->ops, t->nops));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes sums from particles to nodes before the operations on nodes that they do not depend on. */
+static void SumFirst(OpList *l)
+{
+  for (PetscInt o = 0; o < l->n; o++) {
+    const MpmOp op = l->op[o];
+    PetscInt    at = o;
+
+    if (!IsSum(&op)) continue;
+    for (; at > 0 && IsOfNodes(&l->op[at - 1]) && l->op[at - 1].dst != op.dst && l->op[at - 1].src != op.dst; at--)
+      l->op[at] = l->op[at - 1];
+    l->op[at] = op;
+  }
+}
+
+/* Whether a WALL sets to 0, just before operation at, a field that is 0 there already. */
+static PetscBool IsZeroThere(const OpList *l, PetscInt at, const MpmOp *wall)
+{
+  unsigned zero[MPM_MAX_FIELDS] = {0}; /* zero[n]: a bit for each end where node field n is 0 */
+
+  if (wall->factor != 0) return PETSC_FALSE;
+  for (const MpmOp *op = l->op; op < l->op + at; op++) {
+    const unsigned end = 1U << (2 * op->axis + op->side);
+
+    if (MpmOpTraitsOf(op->kind).dst != MPM_ON_NODES) continue;
+    if (op->kind == MPM_WALL && op->factor == 0)
+      zero[op->dst] |= end;
+    else if (op->kind == MPM_WALL) /* the nodes of a corner are on other walls too */
+      zero[op->dst] = (zero[op->dst] | end) & zero[op->src];
+    else if (op->kind == MPM_COPY)
+      zero[op->dst] = op->accumulates ? zero[op->dst] & zero[op->src] : zero[op->src];
+    else
+      zero[op->dst] = 0;
+  }
+  return zero[wall->dst] >> (2 * wall->axis + wall->side) & 1 ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Takes terms past operation at, if they can be written with the node fields after it. */
+static PetscBool Pass(const OpList *l, PetscInt at, Delayed *d)
+{
+  const MpmOp   *op = &l->op[at];
+  const PetscInt n  = d->n;
+
+  if (MpmOpTraitsOf(op->kind).dst != MPM_ON_NODES) return PETSC_TRUE;
+  for (PetscInt i = 0; i < n; i++) {
+    if (d->term[i].src != op->dst) continue;
+    if (op->kind == MPM_WALL && IsZeroThere(l, at, op)) continue;
+    if (op->kind != MPM_COPY || !op->accumulates || op->dst == op->src || op->coefficient || d->n == MOST_TERMS)
+      return PETSC_FALSE;
+    d->term[d->n]     = d->term[i];
+    d->term[d->n].src = op->src;
+    d->term[d->n++].factor *= -op->factor;
+  }
+  return PETSC_TRUE;
+}
+
+/* Takes operation o, which changes a field of the particles, to just before the next gather to that field. */
+static PetscErrorCode DelayOne(OpList *l, PetscInt o)
+{
+  const MpmOp op = l->op[o];
+  PetscInt    to = o + 1;
+  Delayed     d  = {.n = 1, .term = {op}};
+
+  PetscFunctionBegin;
+  while (to < l->n && !Touches(&l->op[to], op.dst)) to++;
+  if (to == l->n || to == o + 1 || !IsGather(&l->op[to])) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt at = o + 1; at < to && IsGather(&op); at++)
+    if (!Pass(l, at, &d)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt i = 0; i < d.n; i++) PetscCall(Insert(l, to, d.term[i]));
+  Remove(l, o);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool IsSame(const MpmOp *a, const MpmOp *b)
+{
+  return a->kind == b->kind && a->axis == b->axis && a->dst == b->dst && a->src == b->src &&
+                 a->coefficient == b->coefficient
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* The gather before o that is the same map between the same fields, whose values are the same too; or MPM_NONE. */
+static PetscInt Before(const OpList *l, PetscInt o)
+{
+  for (PetscInt at = o - 1; at >= 0; at--) {
+    const MpmOp *op = &l->op[at];
+
+    if (IsSame(op, &l->op[o])) return at;
+    if (Touches(op, l->op[o].dst) && !IsGather(op)) return MPM_NONE;
+    if (MpmOpTraitsOf(op->kind).dst == MPM_ON_NODES && op->dst == l->op[o].src) return MPM_NONE;
+  }
+  return MPM_NONE;
+}
+
+/*
+   Lets particles take values from nodes as late as they can. Where a node field changes by n += b m in between, its old value is
+   n - b m. Operations of the same map and fields become one, and vanish where their factors cancel. So particles with apic or
+   pic take the new velocity at once, not the old one and then its change.
+*/
+static PetscErrorCode Delay(const MpmTable *t, OpList *l)
+{
+  PetscFunctionBegin;
+  for (PetscInt o = l->n - 1; o >= 0; o--) { /* what is moved goes to the right, where all has been moved */
+    const PetscBool scales = l->op[o].kind == MPM_SCALE && l->op[o].dst < t->nstate ? PETSC_TRUE : PETSC_FALSE;
+
+    if (scales || (IsGather(&l->op[o]) && l->op[o].dst < t->nstate)) PetscCall(DelayOne(l, o));
+  }
+  for (PetscInt o = l->n - 1; o >= 0; o--) {
+    const PetscInt before = IsGather(&l->op[o]) ? Before(l, o) : MPM_NONE;
+
+    if (before == MPM_NONE) continue;
+    l->op[before].factor += l->op[o].factor;
+    Remove(l, o);
+    if (l->op[before].factor != 0) continue;
+    Remove(l, before);
+    o--;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- passes ---- */
 
 typedef struct {
   const MpmTable  *table;
-  const MpmOpList *ops;
+  const OpList    *ops;
   const MpmBasis  *basis;
   const MpmLayout *layout;
   PetscReal        courant;
@@ -253,11 +452,11 @@ static PetscErrorCode CheckScratch(const MpmTable *t, const MpmOp *op, PetscBool
 
 static PetscErrorCode CompileOps(Compiler *c, PetscBool drifts)
 {
-  const MpmTable  *t                     = c->table;
-  const MpmOpList *ops                   = c->ops;
-  const PetscInt   head                  = MpmHeadLength(t, ops->n, ops->op);
-  PetscBool        begun[MPM_MAX_FIELDS] = {PETSC_FALSE};
-  MpmPass         *pass;
+  const MpmTable *t                     = c->table;
+  const OpList   *ops                   = c->ops;
+  const PetscInt  head                  = MpmHeadLength(t, ops->n, ops->op);
+  PetscBool       begun[MPM_MAX_FIELDS] = {PETSC_FALSE};
+  MpmPass        *pass;
 
   PetscFunctionBegin;
   for (PetscInt o = 0; o < head; o++) PetscCall(CompileOp(c, &c->schedule->start, &ops->op[o]));
@@ -322,13 +521,13 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, cons
                                   PetscBool drifts, PetscBool fused, MpmSchedule *schedule)
 {
   const PetscBool reorders = MayReorder(t);
-  MpmOpList       list     = {.n = 0};
+  OpList          list     = {.n = 0};
   MpmSchedule     each[2]  = {{.npasses = 0}, {.npasses = 0}};
   PetscInt        cheapest = 0;
 
   PetscFunctionBegin;
   PetscCall(MpmScheduleDestroy(schedule));
-  PetscCall(MpmOpListCreate(t, &list));
+  PetscCall(CreateList(t, &list));
   for (PetscInt delayed = 0; delayed < (reorders ? 2 : 1); delayed++) {
     Compiler c = {.table    = t,
                   .ops      = &list,
@@ -340,12 +539,12 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, cons
                   .schedule = &each[delayed]};
 
     for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) c.holds[n] = MPM_NONE;
-    if (delayed) PetscCall(MpmOpListDelay(t, &list));
-    if (reorders) MpmOpListSumFirst(&list);
+    if (delayed) PetscCall(Delay(t, &list));
+    if (reorders) SumFirst(&list);
     PetscCall(CompileOps(&c, drifts));
     if (delayed && CostOf(&each[1]) < CostOf(&each[0])) cheapest = 1;
   }
-  PetscCall(MpmOpListDestroy(&list));
+  PetscCall(PetscFree(list.op));
   PetscCall(MpmScheduleDestroy(&each[1 - cheapest]));
   *schedule = each[cheapest];
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -357,57 +556,4 @@ PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule)
   PetscCall(PetscFree(schedule->pass));
   PetscCall(PetscMemzero(schedule, sizeof *schedule));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The maximum norm of an operation whose number a is 1. */
-static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt dim, PetscInt ppc, PetscReal least_mass)
-{
-  PetscReal cells = 1; /* in which a node has particles: as many as a particle has nodes */
-
-  for (PetscInt a = 0; a < dim; a++) cells *= MpmMapReach(basis);
-  switch (kind) {
-  case MPM_DIV:
-  case MPM_DIV_MLS:
-    return basis->slope_sum * ppc * cells / least_mass;
-  case MPM_CURVE:
-  case MPM_CURVE_MLS: /* along two axes the product of two slopes */
-    return PetscMax(basis->curve_sum, PetscSqr(basis->slope_sum)) * ppc * cells / least_mass;
-  case MPM_GRAD:
-  case MPM_GRAD_MLS:
-  case MPM_G2P_SLOPE:
-  case MPM_G2P_AFFINE: /* at most the largest gradient on a particle's nodes */
-    return basis->slope_sum;
-  case MPM_LAP:
-    return 4;
-  case MPM_SOLVE:    /* with G2P after it, it is a projection; P W has rarely an eigenvalue below 1/100 */
-  case MPM_IMPLICIT: /* it is a contraction in the nodal masses, which rarely differ by more than 100 squared */
-    return 100;
-  default:
-    return 1;
-  }
-}
-
-PetscReal MpmScheduleBound(const MpmTable *t, const MpmBasis *basis, PetscReal courant, PetscInt ppc,
-                           PetscReal least_mass, PetscReal stiffness)
-{
-  PetscReal particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], bound = 1;
-
-  for (PetscInt i = 0; i < MPM_MAX_FIELDS; i++) particle[i] = node[i] = 1;
-  for (PetscInt o = 0; o < t->nops; o++) {
-    const MpmOp      *op     = &t->ops[o];
-    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-    PetscReal        *dst, from;
-
-    if (traits.dst == MPM_NOWHERE) continue;
-    dst  = traits.dst == MPM_ON_NODES ? &node[op->dst] : &particle[op->dst];
-    from = traits.src == MPM_ON_NODES ? node[op->src] : particle[op->src];
-    from *= PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, t->dim, ppc, least_mass);
-    if (traits.weight == MPM_STIFFNESS) from *= stiffness;
-    if (op->kind == MPM_WALL)
-      *dst = PetscMax(*dst, from);
-    else
-      *dst = from + (op->accumulates ? *dst : 0);
-  }
-  for (PetscInt i = 0; i < t->nstate; i++) bound = PetscMax(bound, particle[i]);
-  return bound;
 }

@@ -1,9 +1,127 @@
-/* The nodes of particles: products of the weights along the directions, or what is left of them near walls. */
+/*
+   The nodes and slopes of particles: products over the directions of phi and of its slope, or what is left of them near walls.
+*/
 #include "march/stencils.h"
 #include "scheme/kernels.h"
+#include "scheme/maps.h"
 
-/* Calls f(s, ...) with the number of dimensions as a constant. */
-#define BY_DIM(f, ...) (s->dim == 1 ? f(1, __VA_ARGS__) : s->dim == 2 ? f(2, __VA_ARGS__) : f(3, __VA_ARGS__))
+/* The weights of a particle along a direction: phi (0) and its slope (1), the places of its nodes and each component's sign. */
+typedef struct {
+  PetscInt  place[MPM_MAX_REACH], number[MPM_MAX_REACH]; /* in a local array; in the grid */
+  PetscReal weight[2][MPM_MAX_REACH], sign[MPM_MAX_DIM][MPM_MAX_REACH];
+  PetscBool twice; /* a node may be there twice */
+} Along;
+
+PetscInt MpmSlopesMost(const MpmSlopes *s)
+{
+  PetscInt n = 1;
+
+  for (PetscInt a = 0; a < s->layout->dim; a++) n *= MpmMapReach(s->basis);
+  return n;
+}
+
+static PetscBool IsFixed(const MpmDirection *direction, PetscInt node, MpmParity parity)
+{
+  return (node == 0 && (MpmEndImposes(direction->ends[0], parity) || direction->ends[0] == MPM_FIXED_REACTION)) ||
+                 (node == direction->nodes - 1 &&
+                  (MpmEndImposes(direction->ends[1], parity) || direction->ends[1] == MPM_FIXED_REACTION))
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+PetscBool MpmSlopesFix(const MpmSlopes *s, PetscInt component, const PetscInt at[])
+{
+  for (PetscInt a = 0; a < s->layout->dim; a++)
+    if (!s->grid->axis[a].periodic && IsFixed(&s->layout->grid[a], at[a], s->parity[component][a])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static void RowAlong(const MpmSlopes *s, PetscInt a, PetscInt cell, PetscReal xi, Along *along)
+{
+  const MpmGridAxis  *axis = &s->grid->axis[a];
+  const MpmDirection *grid = &s->layout->grid[a];
+  PetscInt            wall[2];
+
+  MpmDirectionWalls(grid, axis->first + cell, wall);
+  MpmMapRow(s->basis, MPM_P2G, xi, s->layout->half_width[a], wall, along->weight[0]);
+  MpmMapRow(s->basis, s->kind, xi, s->layout->half_width[a], wall, along->weight[1]);
+  along->twice = axis->periodic && axis->cells < MpmMapReach(s->basis) ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt d = 0; d < MpmMapReach(s->basis); d++) {
+    const PetscInt node = cell - s->basis->reach_left + d;
+    PetscReal      sign;
+
+    along->number[d] = MpmDirectionImage(grid, axis->first + node, MPM_EVEN, &sign);
+    along->place[d]  = (axis->periodic ? node : along->number[d] - axis->first) * axis->stride;
+    if (!axis->periodic && along->number[d] != axis->first + node) along->twice = PETSC_TRUE;
+    for (PetscInt c = 0; c < s->layout->dim; c++) {
+      along->sign[c][d] = 1;
+      if (axis->periodic) continue;
+      (void)MpmDirectionImage(grid, axis->first + node, s->parity[c][a], &along->sign[c][d]);
+      if (IsFixed(grid, along->number[d], s->parity[c][a])) along->sign[c][d] = 0;
+    }
+  }
+}
+
+/* Adds up what a node has twice. number: of the nodes in the grid. */
+static PetscInt Merge(PetscInt components, PetscInt n, const PetscInt number[], PetscInt node[], PetscReal shape[],
+                      PetscReal slope[])
+{
+  PetscInt kept = 0, of[MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH];
+
+  for (PetscInt i = 0; i < n; i++) {
+    PetscInt j = 0;
+
+    while (j < kept && number[of[j]] != number[i]) j++;
+    if (j == kept) {
+      of[kept++] = i;
+      node[j]    = node[i];
+      shape[j]   = shape[i];
+      for (PetscInt c = 0; c < components; c++) slope[j * components + c] = slope[i * components + c];
+      continue;
+    }
+    shape[j] += shape[i];
+    for (PetscInt c = 0; c < components; c++) slope[j * components + c] += slope[i * components + c];
+  }
+  return kept;
+}
+
+PetscInt MpmSlopesAt(const MpmSlopes *s, PetscBool merge, const PetscInt cell[], const PetscReal xi[], PetscInt node[],
+                     PetscReal shape[], PetscReal slope[])
+{
+  const PetscInt dim = s->layout->dim, reach = MpmMapReach(s->basis), n = MpmSlopesMost(s);
+  PetscInt       number[MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH];
+  Along          along[MPM_MAX_DIM];
+  PetscBool      twice = PETSC_FALSE;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    RowAlong(s, a, cell[a], xi[a], &along[a]);
+    if (along[a].twice) twice = merge;
+  }
+  for (PetscInt i = 0; i < n; i++) {
+    PetscReal value[MPM_MAX_DIM] = {1, 1, 1}, sign[MPM_MAX_DIM] = {1, 1, 1};
+    PetscInt  stride = 1;
+
+    node[i] = number[i] = 0;
+    shape[i]            = 1;
+    for (PetscInt a = 0, rest = i; a < dim; a++, rest /= reach) {
+      const PetscInt d = rest % reach;
+
+      node[i] += along[a].place[d];
+      number[i] += stride * along[a].number[d];
+      stride *= s->layout->grid[a].nodes;
+      shape[i] *= along[a].weight[0][d];
+      for (PetscInt b = 0; b < dim; b++) {
+        value[b] *= along[a].weight[a == b][d];
+        sign[b] *= along[a].sign[b][d];
+      }
+    }
+    for (PetscInt c = 0; c < dim; c++)
+      for (PetscInt b = 0; b < dim; b++) slope[(i * dim + c) * dim + b] = sign[c] * value[b];
+  }
+  return twice ? Merge(dim * dim, n, number, node, shape, slope) : n;
+}
+
+/* ---- several particles at a time ---- */
 
 static const MpmParity vectors[MPM_MAX_DIM][MPM_MAX_DIM] = {{MPM_NORMAL, MPM_TANGENTIAL, MPM_TANGENTIAL},
                                                             {MPM_TANGENTIAL, MPM_NORMAL, MPM_TANGENTIAL},
@@ -16,70 +134,40 @@ static PetscBool IsInside(const MpmStencils *s, PetscInt p)
 
   for (PetscInt a = 0; a < s->dim; a++) {
     const MpmGridAxis *axis = &s->march->grid->axis[a];
-    const PetscInt     cell = axis->first + s->cell[a][p] + s->whole[a];
+    const PetscInt     cell = axis->first + s->at.cell[a][p] + s->at.whole[0][a];
 
     if (axis->periodic ? axis->cells < reach : cell < 2 * reach || cell >= axis->cells - 2 * reach) return PETSC_FALSE;
   }
   return PETSC_TRUE;
 }
 
-/* Of particles that are inside: products of the weights along the directions. */
-static inline __attribute__((always_inline)) void FillInside(const PetscInt dim, MpmStencils *s,
-                                                             PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
+/* The weights of particles inside, and their first nodes. */
+static void FillInside(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
 {
-  const MpmBasis *basis              = s->slopes.basis;
-  const PetscInt  along[MPM_MAX_DIM] = {basis->nodes, dim > 1 ? basis->nodes : 1, dim > 2 ? basis->nodes : 1};
-  PetscReal       w[MPM_MAX_DIM][2][MPM_MOST_NODES * MPM_STENCILS];
-  PetscInt        n = 0, d[MPM_MAX_DIM];
+  const MpmBasis *basis = s->slopes.basis;
   MpmBlock        block;
 
-  for (PetscInt a = 0; a < dim; a++) {
-    const PetscInt stride = s->march->grid->axis[a].stride;
-
+  for (PetscInt q = 0; q < MPM_STENCILS; q++) s->first[q] = 0;
+  for (PetscInt a = 0; a < s->dim; a++) {
     for (PetscInt q = s->n; q < MPM_STENCILS; q++) {
       in[a][q] = in[a][0];
       at[a][q] = at[a][0];
     }
     MpmBlockPlace(basis, MPM_STENCILS, in[a], at[a], s->march->layout->half_width[a], MpmNoWalls, &block);
-    basis->weights[MPM_P2G](&block, MPM_STENCILS, w[a][0]);
-    basis->weights[s->slopes.kind](&block, MPM_STENCILS, w[a][1]);
-    for (PetscInt q = 0; q < MPM_STENCILS; q++) s->node[q] = (a ? s->node[q] : 0) + block.first[q] * stride;
+    basis->weights[MPM_P2G](&block, MPM_STENCILS, s->weight[a][0]);
+    basis->weights[s->slopes.kind](&block, MPM_STENCILS, s->weight[a][1]);
+    for (PetscInt q = 0; q < MPM_STENCILS; q++) s->first[q] += block.first[q] * s->march->grid->axis[a].stride;
   }
-  for (d[2] = 0; d[2] < along[2]; d[2]++)
-    for (d[1] = 0; d[1] < along[1]; d[1]++)
-      for (d[0] = 0; d[0] < along[0]; d[0]++, n++) {
-        PetscReal *restrict S = s->S + n * MPM_STENCILS, *restrict g = s->g + n * dim * MPM_STENCILS;
-
-        s->offset[n] = 0;
-        for (PetscInt a = 0; a < dim; a++) s->offset[n] += d[a] * s->march->grid->axis[a].stride;
-        for (PetscInt q = 0; q < MPM_STENCILS; q++) {
-          PetscReal phi[MPM_MAX_DIM], slope[MPM_MAX_DIM];
-
-          for (PetscInt a = 0; a < dim; a++) {
-            phi[a]   = w[a][0][d[a] * MPM_STENCILS + q];
-            slope[a] = w[a][1][d[a] * MPM_STENCILS + q];
-          }
-          S[q] = dim == 1 ? phi[0] : dim == 2 ? phi[0] * phi[1] : phi[0] * phi[1] * phi[2];
-          g[q] = dim == 1 ? slope[0] : dim == 2 ? slope[0] * phi[1] : slope[0] * phi[1] * phi[2];
-          if (dim > 1) g[MPM_STENCILS + q] = dim == 2 ? phi[0] * slope[1] : phi[0] * slope[1] * phi[2];
-          if (dim > 2) g[2 * MPM_STENCILS + q] = phi[0] * phi[1] * slope[2];
-        }
-      }
-  s->nodes = n;
-  s->comps = 1;
-  s->step  = 0;
 }
 
-/* The same near walls, particle by particle. Where one has fewer nodes the rest have weight 0. */
+/* Near walls, particle by particle. Where one has fewer nodes the rest have weight 0. */
 static void FillAtWall(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
 {
   const PetscInt most = MpmSlopesMost(&s->slopes), each = s->dim * s->dim;
   PetscInt       node[MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH];
   PetscReal     *shape = s->memory, *slope = s->memory + most;
 
-  s->comps = s->dim;
   s->nodes = most;
-  s->step  = MPM_STENCILS;
   for (PetscInt q = 0; q < MPM_STENCILS; q++) {
     PetscInt  cell[MPM_MAX_DIM], n = 0;
     PetscReal xi[MPM_MAX_DIM];
@@ -90,7 +178,6 @@ static void FillAtWall(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at
     }
     if (q < s->n) n = MpmSlopesAt(&s->slopes, PETSC_TRUE, cell, xi, node, shape, slope);
     for (PetscInt i = 0; i < most; i++) {
-      s->offset[i]                  = 0;
       s->S[i * MPM_STENCILS + q]    = i < n ? shape[i] : 0;
       s->node[i * MPM_STENCILS + q] = i < n ? node[i] : node[0];
       for (PetscInt k = 0; k < each; k++) s->g[(i * each + k) * MPM_STENCILS + q] = i < n ? slope[i * each + k] : 0;
@@ -103,7 +190,6 @@ PetscBool MpmStencilsNext(MpmStencils *s)
   const PetscInt count = s->march->particles->count;
   PetscInt       in[MPM_MAX_DIM][MPM_STENCILS];
   PetscReal      at[MPM_MAX_DIM][MPM_STENCILS];
-  PetscBool      inside;
 
   s->begin += s->n;
   s->n = 0;
@@ -111,12 +197,13 @@ PetscBool MpmStencilsNext(MpmStencils *s)
     s->begin = 0;
     return PETSC_FALSE;
   }
-  inside = IsInside(s, s->begin);
-  while (s->n < MPM_STENCILS && s->begin + s->n < count && IsInside(s, s->begin + s->n) == inside) s->n++;
+  s->inside = s->all || IsInside(s, s->begin) ? PETSC_TRUE : PETSC_FALSE;
+  s->n      = s->all ? PetscMin(MPM_STENCILS, count - s->begin) : 0;
+  while (!s->all && s->n < MPM_STENCILS && s->begin + s->n < count && IsInside(s, s->begin + s->n) == s->inside) s->n++;
   for (PetscInt a = 0; a < s->dim; a++)
-    MpmPlaceBlock(s->n, s->cell[a] + s->begin, s->xi[a] + s->begin, s->whole[a], s->part[a], in[a], at[a]);
-  if (inside)
-    BY_DIM(FillInside, s, in, at);
+    MpmMarchPlaces(&s->at, a, s->n, s->at.cell[a] + s->begin, s->at.xi[a] + s->begin, 0, in[a], at[a]);
+  if (s->inside)
+    FillInside(s, in, at);
   else
     FillAtWall(s, in, at);
   return PETSC_TRUE;
@@ -124,35 +211,31 @@ PetscBool MpmStencilsNext(MpmStencils *s)
 
 PetscErrorCode MpmStencilsCreate(MpmMarch *march, MpmStencils *s)
 {
-  const MpmParticles *particles = march->particles;
-  PetscInt            most;
+  PetscInt most;
 
   PetscFunctionBegin;
-  *s   = (MpmStencils){.march  = march,
-                       .dim    = march->layout->dim,
-                       .slopes = {.layout = march->layout,
-                                  .basis  = march->scheme->basis,
-                                  .grid   = march->grid,
-                                  .kind   = march->scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_DIV_MLS : MPM_DIV,
-                                  .parity = vectors}};
+  *s     = (MpmStencils){.march  = march,
+                         .at     = {.march = march},
+                         .dim    = march->layout->dim,
+                         .slopes = {.layout = march->layout,
+                                    .basis  = march->scheme->basis,
+                                    .grid   = march->grid,
+                                    .kind   = march->scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_DIV_MLS : MPM_DIV,
+                                    .parity = vectors}};
+  s->all = MpmLayoutIsPeriodic(march->layout);
+  for (PetscInt a = 0; a < s->dim; a++)
+    if (march->grid->axis[a].cells < MpmMapReach(s->slopes.basis)) s->all = PETSC_FALSE;
   most = MpmSlopesMost(&s->slopes);
-  PetscCall(PetscMalloc5(most, &s->offset, MPM_STENCILS * most, &s->node, MPM_STENCILS * most, &s->S,
+  PetscCall(PetscMalloc4(MPM_STENCILS * most, &s->node, MPM_STENCILS * most, &s->S,
                          MPM_STENCILS * most * s->dim * s->dim, &s->g, (1 + s->dim * s->dim) * most, &s->memory));
-  for (PetscInt a = 0; a < s->dim; a++) {
-    PetscCall(MpmParticlesGet(particles, MpmFieldCell[a], &s->cell[a]));
-    PetscCall(MpmParticlesGet(particles, MpmFieldXi[a], &s->xi[a]));
-    PetscCall(MpmParticlesWhere(particles, a, particles->step, &s->whole[a], &s->part[a]));
-  }
+  PetscCall(MpmMarchGetArrays(march, march->particles->step, &s->at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmStencilsDestroy(MpmStencils *s)
 {
   PetscFunctionBegin;
-  for (PetscInt a = s->dim - 1; a >= 0; a--) {
-    PetscCall(MpmParticlesRestore(s->march->particles, MpmFieldXi[a], &s->xi[a]));
-    PetscCall(MpmParticlesRestore(s->march->particles, MpmFieldCell[a], &s->cell[a]));
-  }
-  PetscCall(PetscFree5(s->offset, s->node, s->S, s->g, s->memory));
+  PetscCall(MpmMarchRestoreArrays(s->march, &s->at));
+  PetscCall(PetscFree4(s->node, s->S, s->g, s->memory));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

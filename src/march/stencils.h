@@ -1,35 +1,66 @@
 /*
-   Stencils: the nodes of a few particles at a time, with their weights and slopes side by side, for those who go through all
-   particles and sum over their nodes.
+   The nodes of a particle with its weights and their slopes, for those who make matrices and bounds of them; and stencils: those
+   of a few particles side by side, for those who go through all particles and sum over their nodes.
 */
 #pragma once
 #include "march/march_private.h"
-#include "march/slopes.h"
+
+/*S
+   MpmSlopes - how the slopes of a vector's components are found. Beyond walls nodes stand for their images, with the sign of
+   the component, and a component that a wall fixes has no slope there.
+
+   kind   - the kind of operation that has the slopes, one of GRAD, DIV, GRAD_MLS and DIV_MLS; those of DIV are found faster
+   parity - parity[c]: of component c
+S*/
+typedef struct {
+  const MpmLayout *layout;
+  const MpmBasis  *basis;
+  const MpmGrid   *grid;
+  MpmOpKind        kind;
+  const MpmParity (*parity)[MPM_MAX_DIM];
+} MpmSlopes;
+
+/* Not collective. The most nodes that MpmSlopesAt finds. */
+PetscInt MpmSlopesMost(const MpmSlopes *slopes);
+
+/*
+   MpmSlopesAt - the nodes of a particle in a local cell of the grid, at xi there. Returns how many there are. With merge none
+   is there twice: two of a particle's nodes may be one and the same, at a wall or in a short periodic grid.
+
+   Not collective.
+
+   Output Parameters:
++  node  - indices in a local array, from its node 0
+.  shape - phi of each node
+-  slope - slope[(node dim + component) dim + direction], in units of 1 / h
+*/
+PetscInt MpmSlopesAt(const MpmSlopes *slopes, PetscBool merge, const PetscInt cell[], const PetscReal xi[],
+                     PetscInt node[], PetscReal shape[], PetscReal slope[]);
+
+/* Not collective. Whether a component of a vector is fixed at a node, which at[] has in the grid. */
+PetscBool MpmSlopesFix(const MpmSlopes *slopes, PetscInt component, const PetscInt at[]);
 
 #define MPM_STENCILS 16
 
 /*S
-   MpmStencils - up to MPM_STENCILS particles that follow one another: begin to begin + n - 1 of this rank. Particle q of them has
-   weight S[i MPM_STENCILS + q] at its i-th node, MpmStencilsNode(s, i, q) of a local array, and slope
-   g[((i comps + c) dim + b) MPM_STENCILS + q] of component c there. Away from walls all components have the same, and comps is 1.
-   Where n is less, the other numbers are of use to nobody.
+   MpmStencils - up to MPM_STENCILS particles that follow one another: begin to begin + n - 1 of this rank.
 
-   slopes, memory - of particles near walls
-   whole, part, cell, xi - where particles are
+   inside - they are away from walls, where all components have the same slopes and no node is there twice. Their weights are
+            products: weight[a][0][d MPM_STENCILS + q] is phi of particle q along direction a, and weight[a][1] its slope, at nodes
+            first[q] + d stride of a local array. Where n is less, the others are as particle 0.
+   nodes  - at walls particle q has weight S[i MPM_STENCILS + q] at its i-th node, node[i MPM_STENCILS + q] of a local array, and
+            slope g[((i dim + c) dim + b) MPM_STENCILS + q] of component c there, or all are 0
+   all, memory - all particles are inside; of particles near walls
+   at     - the particles and nodes, which nobody else may get meanwhile
 S*/
 typedef struct {
-  MpmMarch  *march;
-  MpmSlopes  slopes;
-  PetscInt   dim, begin, n, nodes, comps, step, *node, *offset;
-  PetscReal *S, *g, *memory;
-  PetscInt   whole[MPM_MAX_DIM], *cell[MPM_MAX_DIM];
-  PetscReal  part[MPM_MAX_DIM], *xi[MPM_MAX_DIM];
+  MpmMarch      *march;
+  MpmMarchArrays at;
+  MpmSlopes      slopes;
+  PetscInt       dim, begin, n, nodes, first[MPM_STENCILS], *node;
+  PetscBool      inside, all;
+  PetscReal      weight[MPM_MAX_DIM][2][MPM_MOST_NODES * MPM_STENCILS], *S, *g, *memory;
 } MpmStencils;
-
-static inline PetscInt MpmStencilsNode(const MpmStencils *s, PetscInt i, PetscInt q)
-{
-  return s->node[i * s->step + q] + s->offset[i];
-}
 
 /*
    MpmStencilsCreate - of a march's particles at their present places; the march must not change meanwhile.

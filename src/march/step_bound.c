@@ -18,15 +18,15 @@
 */
 #include <mpmstab/step_bound.h>
 #include "base/hash.h"
-#include "march/march_private.h"
 #include "march/stencils.h"
-#include "scheme/kernels.h"
+#include "scheme/bundles.h"
 #include <math.h>
 
 #define BISECTIONS 200
 #define INVARIANT 1e-14 /* a beta so small beside alpha ends the products */
 #define SWEEPS 40       /* of rotations */
 #define SAME 1e-9       /* relative difference of particles that decide alike */
+#define LANES 4         /* of the bundle of a velocity */
 
 /* What a pass over the particles needs. */
 typedef struct {
@@ -34,9 +34,9 @@ typedef struct {
   MpmStencils      at;
   PetscInt         dim, components, own;
   const PetscReal *mass, *volume;
-  PetscReal       *inverse, *sum[MPM_MAX_DIM], *field[MPM_MAX_DIM]; /* local arrays of the nodes */
-  PetscReal       *weight, *value, *stiffness;                      /* u, lambda and modulus of each particle */
-  PetscReal        lambda, mu, *times;
+  PetscReal       *inverse, *sum[MPM_MAX_DIM]; /* local arrays of the nodes */
+  PetscReal       *weight, *value, *stiffness; /* u, lambda and modulus of each particle */
+  PetscReal        lambda, mu;
   PetscBool        loses; /* a particle has a slope at a node without mass: DIV is then not the adjoint of GRAD */
 } Pass;
 
@@ -63,76 +63,129 @@ const char *MpmStepBoundWhyNot(const MpmLayout *layout, const MpmScheme *scheme,
 
 /* ---- passes over the particles ---- */
 
-static PetscErrorCode CreateArray(const MpmGrid *grid, PetscReal **array)
-{
-  const MpmGridAxis *last = &grid->axis[grid->dim - 1];
-
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc1(last->stride * (last->nodes + 2 * grid->ghost), array));
-  *array += grid->origin;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode DestroyArray(const MpmGrid *grid, PetscReal **array)
-{
-  PetscFunctionBegin;
-  if (*array) *array -= grid->origin;
-  PetscCall(PetscFree(*array));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+#define INLINE static inline __attribute__((always_inline))
 
 static PetscReal Of(const PetscReal property[], PetscInt p)
 {
   return property ? property[p] : 1;
 }
 
-/* The norms of the slopes of node i for a component. */
+/* The norms of the slopes of node i for a component, of particles at walls. */
 static void Norms(const Pass *s, PetscInt i, PetscInt c, PetscReal norm[])
 {
-  const PetscReal *g = s->at.g + (i * s->at.comps + c) * s->dim * MPM_STENCILS;
+  const PetscReal *g = s->at.g + (i * s->dim + c) * s->dim * MPM_STENCILS;
 
-  PetscReal square[MPM_STENCILS];
-
-  for (PetscInt q = 0; q < MPM_STENCILS; q++) square[q] = g[q] * g[q];
-  for (PetscInt b = 1; b < s->dim; b++)
-    for (PetscInt q = 0; q < MPM_STENCILS; q++) square[q] += g[b * MPM_STENCILS + q] * g[b * MPM_STENCILS + q];
-  for (PetscInt q = 0; q < MPM_STENCILS; q++) norm[q] = sqrt(square[q]);
+  for (PetscInt q = 0; q < MPM_STENCILS; q++) {
+    norm[q] = 0;
+    for (PetscInt b = 0; b < s->dim; b++) norm[q] += PetscSqr(g[b * MPM_STENCILS + q]);
+    norm[q] = sqrt(norm[q]);
+  }
 }
 
+/* What is done at each node of particles inside: the norm of the slope is summed there, or slopes are with what they count. */
+typedef enum { SUMS, SPLIT, ALONE } Visit;
+
+/* Of two weights along a direction: phi^2, slope^2 and phi slope; 1, 0 and 0 along one that is not there. */
+typedef PetscReal Squares[3][MPM_MOST_NODES * MPM_STENCILS];
+
 /*
-   The sums over particles of u sqrt(V) abs(grad S), over the masses of the nodes. With masses these are summed, too. Without
-   walls all components have the same.
+   Takes particles inside through their nodes. With slopes g of a node, products over the directions, SUMS adds share abs(g) to the
+   sums there. SPLIT and ALONE find G = sum g g^T t, its components 00 01 02 11 12 22, with t the sum over abs(g), or 1 / S: once along
+   x, then with what the products along y and z are. endless: a particle has a slope, and no weight.
 */
-static PetscErrorCode Sum(Pass *s, PetscBool masses)
+INLINE void VisitInside(const PetscInt dim, const Visit visit, Pass *s, const PetscReal share[],
+                        PetscReal G[][MPM_STENCILS], PetscBool endless[])
 {
-  const MpmGrid   *grid = s->march->grid;
-  const MpmGridBox box  = MpmGridBoxOf(grid, grid->ghost);
-  PetscReal        norm[MPM_STENCILS], share[MPM_STENCILS], *array[1 + MPM_MAX_DIM];
+  const MpmStencils *c  = &s->at;
+  const PetscInt     nx = c->slopes.basis->nodes, ny = dim > 1 ? nx : 1, nz = dim > 2 ? nx : 1;
+  Squares            along[MPM_MAX_DIM];
 
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < s->components; k++) PetscCall(MpmGridZero(grid, array[k] = s->sum[k]));
-  array[s->components] = s->inverse;
-  while (MpmStencilsNext(&s->at)) {
-    const MpmStencils *c = &s->at;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
+    for (PetscInt i = 0; i < (a < dim ? nx : 1) * MPM_STENCILS; i++) {
+      const PetscReal phi = a < dim ? c->weight[a][0][i] : 1, slope = a < dim ? c->weight[a][1][i] : 0;
 
-    for (PetscInt q = 0; q < c->n; q++) share[q] = s->weight[c->begin + q] * sqrt(Of(s->volume, c->begin + q));
-    for (PetscInt i = 0; i < c->nodes; i++) {
-      for (PetscInt k = 0; k < s->components; k++) {
-        if (k < c->comps) Norms(s, i, k, norm);
-        for (PetscInt q = 0; q < c->n; q++) s->sum[k][MpmStencilsNode(c, i, q)] += share[q] * norm[q];
+      along[a][0][i] = phi * phi;
+      along[a][1][i] = slope * slope;
+      along[a][2][i] = phi * slope;
+    }
+  for (PetscInt r = 0; r < ny * nz; r++) {
+    const PetscInt y = r % ny, z = r / ny,
+                   row           = y * s->march->grid->axis[1].stride + z * s->march->grid->axis[2].stride;
+    PetscReal T[3][MPM_STENCILS] = {{0}}, Y[3][MPM_STENCILS], Z[3][MPM_STENCILS];
+
+    for (PetscInt k = 0; k < 3; k++)
+      for (PetscInt q = 0; q < MPM_STENCILS; q++) {
+        Y[k][q] = along[1][k][y * MPM_STENCILS + q];
+        Z[k][q] = along[2][k][z * MPM_STENCILS + q];
       }
-      for (PetscInt q = 0; q < c->n && masses; q++)
-        s->inverse[MpmStencilsNode(c, i, q)] += Of(s->mass, c->begin + q) * c->S[i * MPM_STENCILS + q];
+    for (PetscInt x = 0; x < nx; x++) {
+      const PetscReal *X0 = along[0][0] + x * MPM_STENCILS, *X1 = along[0][1] + x * MPM_STENCILS,
+                      *X2 = along[0][2] + x * MPM_STENCILS;
+      PetscReal norm[MPM_STENCILS], times[MPM_STENCILS];
+
+      for (PetscInt q = 0; q < MPM_STENCILS; q++)
+        norm[q] = sqrt(X1[q] * Y[0][q] * Z[0][q] + X0[q] * (Y[1][q] * Z[0][q] + Y[0][q] * Z[1][q]));
+      if (visit == SUMS) {
+        for (PetscInt k = 0; k < s->components; k++)
+          for (PetscInt q = 0; q < c->n; q++) s->sum[k][c->first[q] + row + x] += share[q] * norm[q];
+        continue;
+      }
+      for (PetscInt q = 0; q < MPM_STENCILS && visit == SPLIT; q++) times[q] = s->sum[0][c->first[q] + row + x];
+      for (PetscInt q = 0; q < MPM_STENCILS && visit == SPLIT; q++) times[q] = norm[q] > 0 ? times[q] / norm[q] : 0;
+      for (PetscInt q = 0; q < MPM_STENCILS && visit == ALONE; q++) {
+        const PetscReal square = X0[q] * Y[0][q] * Z[0][q];
+
+        times[q] = square > 0 ? 1 / sqrt(square) : 0;
+        if (norm[q] > 0 && !(square > 0)) endless[q] = PETSC_TRUE;
+        if (norm[q] > 0 && s->inverse[c->first[q] + row + x] == 0) s->loses = PETSC_TRUE;
+      }
+      for (PetscInt q = 0; q < MPM_STENCILS; q++) {
+        T[0][q] += times[q] * X0[q];
+        T[1][q] += times[q] * X1[q];
+        T[2][q] += times[q] * X2[q];
+      }
+    }
+    for (PetscInt q = 0; q < MPM_STENCILS && visit != SUMS; q++) {
+      G[0][q] += T[1][q] * Y[0][q] * Z[0][q];
+      G[1][q] += T[2][q] * Y[2][q] * Z[0][q];
+      G[2][q] += T[2][q] * Y[0][q] * Z[2][q];
+      G[3][q] += T[0][q] * Y[1][q] * Z[0][q];
+      G[4][q] += T[0][q] * Y[2][q] * Z[2][q];
+      G[5][q] += T[0][q] * Y[0][q] * Z[1][q];
     }
   }
-  PetscCall(MpmGridSum(grid, s->components + (masses ? 1 : 0), array));
+}
+
+/* The sums over particles of u sqrt(V) abs(grad S), over the masses of the nodes. Without walls all components have the same. */
+static PetscErrorCode Sum(Pass *s)
+{
+  const MpmGrid     *grid = s->march->grid;
+  const MpmGridBox   box  = MpmGridBoxOf(grid, grid->ghost);
+  const MpmStencils *c    = &s->at;
+  PetscReal          norm[MPM_STENCILS], share[MPM_STENCILS];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < s->components; k++) PetscCall(MpmGridZero(grid, s->sum[k]));
+  while (MpmStencilsNext(&s->at)) {
+    for (PetscInt q = 0; q < c->n; q++) share[q] = s->weight[c->begin + q] * sqrt(Of(s->volume, c->begin + q));
+    if (c->inside) {
+      s->dim == 1   ? VisitInside(1, SUMS, s, share, NULL, NULL)
+      : s->dim == 2 ? VisitInside(2, SUMS, s, share, NULL, NULL)
+                    : VisitInside(3, SUMS, s, share, NULL, NULL);
+      continue;
+    }
+    for (PetscInt i = 0; i < c->nodes; i++)
+      for (PetscInt k = 0; k < s->components; k++) {
+        Norms(s, i, k, norm);
+        for (PetscInt q = 0; q < c->n; q++) s->sum[k][c->node[i * MPM_STENCILS + q]] += share[q] * norm[q];
+      }
+  }
+  PetscCall(MpmGridSum(grid, s->components, s->sum));
   for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
     const PetscInt row = MpmGridRow(grid, &box, r);
 
-    for (PetscInt i = row + box.lo[0]; i < row + box.hi[0]; i++) {
-      if (masses) s->inverse[i] = s->inverse[i] > 0 ? 1 / s->inverse[i] : 0;
-      for (PetscInt k = 0; k < s->components; k++) s->sum[k][i] *= s->inverse[i];
-    }
+    for (PetscInt k = 0; k < s->components; k++)
+      for (PetscInt i = row + box.lo[0]; i < row + box.hi[0]; i++) s->sum[k][i] *= s->inverse[i];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -209,37 +262,62 @@ static PetscReal Isotropic(const Pass *s, PetscReal G[MPM_MAX_STRESS][MPM_MAX_ST
 }
 
 /*
-   lambda of the particles away from walls. times[i MPM_STENCILS + q] is what the square of the slope at a node counts. The matrix
-   of Isotropic has the trace of G, as lambda + 2 mu is 1, and squares of its eigenvalues whose sum is 4 mu (mu + lambda) tr G^2 +
-   lambda^2 (tr G)^2. These bound its largest one (Wolkowicz and Styan 1980). A bound below least suffices.
+   lambda of the particles inside. The matrix of Isotropic has the trace of G, as lambda + 2 mu is 1, and squares of its
+   eigenvalues whose sum is 4 mu (mu + lambda) tr G^2 + lambda^2 (tr G)^2. These bound its largest one (Wolkowicz and Styan 1980). A
+   bound below least suffices.
 */
-static void ValuesInside(Pass *s, const PetscReal times[], const PetscReal factor[], PetscReal least)
+INLINE void ValuesInside(const PetscInt dim, const Visit visit, Pass *s, const PetscReal factor[], PetscReal least)
 {
-  const MpmStencils *c                                         = &s->at;
-  const PetscInt     dim                                       = s->dim;
-  PetscReal          G[MPM_MAX_DIM][MPM_MAX_DIM][MPM_STENCILS] = {{{0}}};
+  static const PetscInt part[MPM_MAX_DIM][MPM_MAX_DIM]  = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  const MpmStencils    *c                               = &s->at;
+  PetscReal             G[MPM_MAX_STRESS][MPM_STENCILS] = {{0}};
+  PetscBool             endless[MPM_STENCILS]           = {PETSC_FALSE};
 
-  for (PetscInt i = 0; i < c->nodes; i++)
-    for (PetscInt a = 0; a < dim; a++)
-      for (PetscInt b = a; b < dim; b++) {
-        const PetscReal *at = c->g + (i * dim + a) * MPM_STENCILS, *other = c->g + (i * dim + b) * MPM_STENCILS;
-
-        for (PetscInt q = 0; q < MPM_STENCILS; q++) G[a][b][q] += times[i * MPM_STENCILS + q] * at[q] * other[q];
-      }
+  VisitInside(dim, visit, s, NULL, G, endless);
   for (PetscInt q = 0; q < c->n; q++) {
-    PetscReal A[MPM_MAX_STRESS][MPM_MAX_STRESS], trace = 0, square = 0, *value = s->value + c->begin + q;
+    const PetscReal trace = G[0][q] + G[3][q] + G[5][q];
+    PetscReal       A[MPM_MAX_STRESS][MPM_MAX_STRESS], square = 0, *value = s->value + c->begin + q;
 
     for (PetscInt a = 0; a < dim; a++)
       for (PetscInt b = 0; b < dim; b++) {
-        A[a][b] = G[PetscMin(a, b)][PetscMax(a, b)][q];
+        A[a][b] = G[part[a][b]][q];
         square += A[a][b] * A[a][b];
-        trace += a == b ? A[a][a] : 0;
       }
     square = 4 * s->mu * (s->mu + s->lambda) * square + s->lambda * s->lambda * trace * trace;
     square = fmax(square - trace * trace / dim, 0) * (dim - 1) / dim;
     *value = factor[q] * (trace / dim + sqrt(square));
     if (*value > least || isnan(*value)) *value = factor[q] * Isotropic(s, A);
+    if (endless[q]) *value = INFINITY;
   }
+}
+
+/* lambda of particles at walls. */
+static void ValuesAtWall(Pass *s, PetscBool lone, const PetscReal factor[])
+{
+  const MpmStencils *c = &s->at;
+  PetscReal          norm[MPM_STENCILS], A[MPM_STENCILS][MPM_MAX_STRESS][MPM_MAX_STRESS] = {{{0}}};
+  PetscBool          endless[MPM_STENCILS] = {PETSC_FALSE};
+
+  for (PetscInt i = 0; i < c->nodes; i++)
+    for (PetscInt k = 0; k < s->dim; k++) {
+      const PetscReal *sum = s->sum[s->components == 1 ? 0 : k];
+
+      Norms(s, i, k, norm);
+      for (PetscInt q = 0; q < c->n; q++) {
+        const PetscInt  node = c->node[i * MPM_STENCILS + q];
+        const PetscReal S    = c->S[i * MPM_STENCILS + q];
+        PetscReal       g[MPM_MAX_DIM];
+
+        if (!(norm[q] > 0)) continue;
+        if (s->inverse[node] == 0) s->loses = PETSC_TRUE;
+        if (lone && !(S > 0)) endless[q] = PETSC_TRUE;
+        if (lone ? endless[q] : sum[node] == 0) continue;
+        for (PetscInt b = 0; b < s->dim; b++) g[b] = c->g[((i * s->dim + k) * s->dim + b) * MPM_STENCILS + q];
+        Add(s, k, g, lone ? 1 / S : sum[node] / norm[q], A[q]);
+      }
+    }
+  for (PetscInt q = 0; q < c->n; q++)
+    s->value[c->begin + q] = endless[q] ? INFINITY : factor[q] * Largest(s->dim * (s->dim + 1) / 2, A[q]);
 }
 
 /*
@@ -248,39 +326,24 @@ static void ValuesInside(Pass *s, const PetscReal times[], const PetscReal facto
 */
 static void Values(Pass *s, PetscBool lone, PetscReal least)
 {
-  const MpmStencils *c     = &s->at;
-  PetscReal         *times = s->times, factor[MPM_STENCILS] = {0}, norm[MPM_STENCILS];
-  PetscReal          A[MPM_STENCILS][MPM_MAX_STRESS][MPM_MAX_STRESS] = {{{0}}};
-  PetscBool          endless[MPM_STENCILS]                           = {PETSC_FALSE};
+  const MpmStencils *c                    = &s->at;
+  PetscReal          factor[MPM_STENCILS] = {0};
 
   for (PetscInt q = 0; q < c->n; q++) {
     const PetscInt p = c->begin + q;
 
     factor[q] = s->stiffness[p] * (lone ? Of(s->volume, p) / Of(s->mass, p) : sqrt(Of(s->volume, p)) / s->weight[p]);
   }
-  for (PetscInt i = 0; i < c->nodes; i++)
-    for (PetscInt k = 0; k < c->comps; k++) {
-      const PetscReal *S = c->S + i * MPM_STENCILS, *sum = s->sum[s->components == 1 ? 0 : k];
-      PetscReal       *at = times + i * MPM_STENCILS, g[MPM_MAX_DIM];
-
-      Norms(s, i, k, norm);
-      for (PetscInt q = 0; q < MPM_STENCILS; q++) at[q] = q < c->n ? sum[MpmStencilsNode(c, i, q)] : 0;
-      for (PetscInt q = 0; q < MPM_STENCILS; q++) at[q] = norm[q] > 0 ? at[q] / norm[q] : 0;
-      for (PetscInt q = 0; q < c->n && (lone || c->comps > 1); q++) {
-        if (norm[q] > 0 && s->inverse[MpmStencilsNode(c, i, q)] == 0) s->loses = PETSC_TRUE;
-        if (at[q] == 0) continue;
-        if (lone && !(S[q] > 0)) endless[q] = PETSC_TRUE;
-        if (lone) at[q] = endless[q] ? 0 : 1 / S[q];
-        if (c->comps == 1) continue;
-        for (PetscInt b = 0; b < s->dim; b++) g[b] = c->g[((i * c->comps + k) * s->dim + b) * MPM_STENCILS + q];
-        Add(s, k, g, at[q], A[q]);
-      }
-    }
-  if (c->comps == 1) ValuesInside(s, times, factor, least);
-  for (PetscInt q = 0; q < c->n; q++) {
-    if (c->comps > 1) s->value[c->begin + q] = factor[q] * Largest(s->dim * (s->dim + 1) / 2, A[q]);
-    if (endless[q]) s->value[c->begin + q] = INFINITY;
-  }
+  if (!c->inside)
+    ValuesAtWall(s, lone, factor);
+  else if (lone)
+    s->dim == 1   ? ValuesInside(1, ALONE, s, factor, least)
+    : s->dim == 2 ? ValuesInside(2, ALONE, s, factor, least)
+                  : ValuesInside(3, ALONE, s, factor, least);
+  else
+    s->dim == 1   ? ValuesInside(1, SPLIT, s, factor, least)
+    : s->dim == 2 ? ValuesInside(2, SPLIT, s, factor, least)
+                  : ValuesInside(3, SPLIT, s, factor, least);
 }
 
 /* The largest value of all particles, and where it is: the one with the least id of several that are alike but for rounding. */
@@ -288,11 +351,10 @@ static PetscErrorCode Decide(Pass *s, PetscReal *most, MpmDecider *at)
 {
   const MpmMarch   *march = s->march;
   const MPI_Comm    comm  = PetscObjectComm((PetscObject)march->grid->da);
-  const PetscInt64 *id;
-  PetscInt          mine = MPM_NONE;
+  const PetscInt64 *id    = s->at.at.id;
+  PetscInt          mine  = MPM_NONE;
 
   PetscFunctionBegin;
-  PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
   *most = 0;
   for (PetscInt p = 0; p < march->particles->count; p++) *most = fmax(*most, s->value[p]);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 1, MPIU_REAL, MPI_MAX, comm));
@@ -310,13 +372,12 @@ static PetscErrorCode Decide(Pass *s, PetscReal *most, MpmDecider *at)
 
     at->place[a] = -INFINITY;
     if (mine == MPM_NONE || id[mine] != at->id) continue;
-    MpmPlaceBlock(1, &s->at.cell[a][mine], &s->at.xi[a][mine], s->at.whole[a], s->at.part[a], &in, &xi);
+    MpmMarchPlaces(&s->at.at, a, 1, &s->at.at.cell[a][mine], &s->at.at.xi[a][mine], 0, &in, &xi);
     at->place[a] = in + march->grid->axis[a].first + xi;
     if (march->grid->axis[a].periodic) /* particles may be in a rank's ghost cells */
       at->place[a] -= march->grid->axis[a].cells * floor(at->place[a] / march->grid->axis[a].cells);
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, at->place, (PetscMPIInt)s->dim, MPIU_REAL, MPI_MAX, comm));
-  PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -340,7 +401,7 @@ static PetscErrorCode FindByParticle(Pass *s, MpmStepBounds *b)
 
   PetscFunctionBegin;
   for (PetscInt sweep = 0; sweep <= b->sweeps; sweep++) {
-    if (sweep) PetscCall(Sum(s, PETSC_FALSE));
+    PetscCall(Sum(s));
     most = 0;
     while (MpmStencilsNext(&s->at)) {
       Values(s, PETSC_FALSE, b->sweeps ? 0 : most * (1 - 2 * SAME));
@@ -356,74 +417,120 @@ static PetscErrorCode FindByParticle(Pass *s, MpmStepBounds *b)
 
 /* ---- the certificate ---- */
 
-/* Goes through this rank's own nodes: from a vector of theirs to a local array that is 0 elsewhere, or back. */
-static PetscErrorCode Exchange(const Pass *s, PetscBool back, PetscReal vector[], PetscReal *const array[])
+/*
+   Products with K: as a pass of the fast march, with the velocity and the force of a node as bundles (scheme/bundles.h).
+
+   node, force - of all local nodes; product: of a cloud's particles, L_kb of lane k at product 1 + b, and then the stress
+   scale       - M^(-1/2) of each of this rank's unknowns, 0 where a wall fixes it; scaled: M^(-1/2) x
+   gather, spread - the maps. In one dimension there is a second direction, without an extent
+*/
+typedef struct {
+  PetscReal   *node, *force, product[LANES * MPM_CLOUD * (1 + MPM_MAX_DIM)], *scale, *scaled;
+  PetscReal    weight[MPM_MAX_DIM][2][MPM_MOST_NODES * MPM_CLOUD];
+  MpmBundleMap gather, spread;
+  MpmCloud     cloud;
+} Products;
+
+/* The nodes and weights of n particles from begin on. */
+static void PlaceCloud(Pass *s, PetscInt begin, PetscInt n, Products *k)
 {
-  const MpmGrid   *grid = s->march->grid;
-  const MpmGridBox box  = MpmGridBoxOf(grid, 0);
-  PetscInt         n    = 0;
+  const MpmMarch *march = s->march;
+  const MpmBasis *basis = march->scheme->basis;
+
+  k->cloud.n = n;
+  for (PetscInt p = 0; p < n; p++) k->cloud.first[p] = 0;
+  for (PetscInt a = 0; a < s->dim; a++) {
+    PetscInt  cell[MPM_CLOUD], wall[2];
+    PetscReal xi[MPM_CLOUD];
+    MpmBlock  block;
+
+    MpmMarchPlaces(&s->at.at, a, n, s->at.at.cell[a] + begin, s->at.at.xi[a] + begin, 0, cell, xi);
+    MpmDirectionWalls(&march->layout->grid[a], march->grid->axis[a].first, wall);
+    MpmBlockPlace(basis, n, cell, xi, march->layout->half_width[a], wall, &block);
+    basis->weights[MPM_P2G](&block, MPM_CLOUD, k->weight[a][0]);
+    basis->weights[s->at.slopes.kind](&block, MPM_CLOUD, k->weight[a][1]);
+    for (PetscInt p = 0; p < n; p++) k->cloud.first[p] += march->grid->axis[a].stride * block.first[p];
+  }
+}
+
+/* The stresses of particles, made of the slopes of their velocities. */
+static void Stress(const Pass *s, PetscInt begin, PetscInt n, PetscReal product[])
+{
+  for (PetscInt p = 0; p < n; p++) {
+    const PetscReal modulus = s->stiffness[begin + p] * Of(s->volume, begin + p);
+    PetscReal      *at[1 + MPM_MAX_DIM], L[MPM_MAX_DIM][MPM_MAX_DIM], trace = 0;
+
+    for (PetscInt c = 0; c <= MPM_MAX_DIM; c++) at[c] = product + LANES * (MPM_CLOUD * c + p);
+    for (PetscInt k = 0; k < LANES; k++) at[0][k] = 0;
+    for (PetscInt k = 0; k < s->dim; k++) {
+      for (PetscInt b = 0; b < s->dim; b++) L[k][b] = at[1 + b][k];
+      trace += L[k][k];
+    }
+    for (PetscInt k = 0; k < s->dim; k++)
+      for (PetscInt b = 0; b < s->dim; b++)
+        at[1 + b][k] = modulus * (s->mu * (L[k][b] + L[b][k]) + (k == b ? s->lambda * trace : 0));
+  }
+}
+
+static PetscErrorCode CreateProducts(Pass *s, Products *k)
+{
+  const MpmGrid   *grid  = s->march->grid;
+  const PetscInt   nodes = s->march->scheme->basis->nodes, size = LANES * MpmGridSize(grid), dim = PetscMax(s->dim, 2);
+  const MpmGridBox box = MpmGridBoxOf(grid, 0);
+  PetscInt         n   = 0;
 
   PetscFunctionBegin;
-  for (PetscInt c = 0; c < s->dim; c++) {
-    if (!back) PetscCall(MpmGridZero(grid, array[c]));
-    for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
-      const PetscInt row = MpmGridRow(grid, &box, r);
-
-      for (PetscInt i = row; i < row + box.hi[0]; i++, n++)
-        if (back)
-          vector[n] = array[c][i] * sqrt(s->inverse[i]);
-        else
-          array[c][i] = vector[n] * sqrt(s->inverse[i]);
-    }
+  *k = (Products){.gather = MpmBundleMapFind(PETSC_FALSE, dim, nodes, 1, LANES),
+                  .spread = MpmBundleMapFind(PETSC_TRUE, dim, nodes, 1, LANES),
+                  .cloud  = {.dim = dim, .nodes = nodes, .kinds = 1}};
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    k->cloud.stride[a] = a < s->dim ? grid->axis[a].stride : 0;
+    for (PetscInt kind = 0; kind < 2; kind++) k->cloud.weight[a][kind] = k->weight[a][kind];
+    for (PetscInt p = 0; p < MPM_CLOUD; p++) k->weight[a][0][p] = 1;
   }
+  PetscCall(PetscCalloc4(size, &k->node, size, &k->force, s->own, &k->scale, s->own, &k->scaled));
+  for (PetscInt c = 0; c < s->dim; c++)
+    for (PetscInt r = 0; r < MpmGridRows(&box); r++)
+      for (PetscInt i = 0; i < box.hi[0]; i++, n++) {
+        const PetscInt at[MPM_MAX_DIM] = {grid->axis[0].first + i, grid->axis[1].first + r % box.hi[1],
+                                          grid->axis[2].first + r / box.hi[1]};
+
+        k->scale[n] = MpmSlopesFix(&s->at.slopes, c, at) ? 0 : sqrt(s->inverse[MpmGridRow(grid, &box, r) + i]);
+      }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What the stresses of particles, made by the velocities of the nodes, give to them. */
-static inline __attribute__((always_inline)) void Product(const PetscInt dim, Pass *s)
-{
-  const MpmStencils *c                                = &s->at;
-  PetscReal L[MPM_MAX_DIM][MPM_MAX_DIM][MPM_STENCILS] = {{{0}}}, stress[MPM_MAX_DIM][MPM_MAX_DIM][MPM_STENCILS],
-            v[MPM_STENCILS];
-
-  for (PetscInt i = 0; i < c->nodes; i++)
-    for (PetscInt k = 0; k < dim; k++) {
-      const PetscReal *g = c->g + (i * c->comps + k % c->comps) * dim * MPM_STENCILS;
-
-      for (PetscInt q = 0; q < MPM_STENCILS; q++) v[q] = s->field[k][MpmStencilsNode(c, i, q)];
-      for (PetscInt b = 0; b < dim; b++)
-        for (PetscInt q = 0; q < MPM_STENCILS; q++) L[k][b][q] += g[b * MPM_STENCILS + q] * v[q];
-    }
-  for (PetscInt q = 0; q < c->n; q++) {
-    const PetscReal modulus = s->stiffness[c->begin + q] * Of(s->volume, c->begin + q);
-    PetscReal       trace   = 0;
-
-    for (PetscInt k = 0; k < dim; k++) trace += L[k][k][q];
-    for (PetscInt k = 0; k < dim; k++)
-      for (PetscInt b = 0; b < dim; b++)
-        stress[k][b][q] = modulus * (s->mu * (L[k][b][q] + L[b][k][q]) + (k == b ? s->lambda * trace : 0));
-  }
-  for (PetscInt i = 0; i < c->nodes; i++)
-    for (PetscInt k = 0; k < dim; k++) {
-      const PetscReal *g = c->g + (i * c->comps + k % c->comps) * dim * MPM_STENCILS;
-
-      for (PetscInt q = 0; q < MPM_STENCILS; q++) v[q] = 0;
-      for (PetscInt b = 0; b < dim; b++)
-        for (PetscInt q = 0; q < MPM_STENCILS; q++) v[q] += g[b * MPM_STENCILS + q] * stress[k][b][q];
-      for (PetscInt q = 0; q < c->n; q++) s->sum[k][MpmStencilsNode(c, i, q)] += v[q];
-    }
-}
-
 /* y = M^(-1/2) K M^(-1/2) x */
-static PetscErrorCode Multiply(Pass *s, PetscReal x[], PetscReal y[])
+static PetscErrorCode Multiply(Pass *s, Products *k, const PetscReal x[], PetscReal y[])
 {
+  const MpmGrid      *grid      = s->march->grid;
+  const MpmDirection *direction = s->march->layout->grid;
+  const PetscInt      size = MpmGridSize(grid), own = MpmGridNodes(grid), count = s->march->particles->count;
+
   PetscFunctionBegin;
-  PetscCall(Exchange(s, PETSC_FALSE, x, s->field));
-  PetscCall(MpmGridSum(s->march->grid, s->dim, s->field));
-  for (PetscInt c = 0; c < s->dim; c++) PetscCall(MpmGridZero(s->march->grid, s->sum[c]));
-  while (MpmStencilsNext(&s->at)) s->dim == 1 ? Product(1, s) : s->dim == 2 ? Product(2, s) : Product(3, s);
-  PetscCall(MpmGridSum(s->march->grid, s->dim, s->sum));
-  PetscCall(Exchange(s, PETSC_TRUE, y, s->sum));
+  for (PetscInt i = 0; i < s->own; i++) k->scaled[i] = k->scale[i] * x[i];
+  for (PetscInt c = 0; c < s->dim; c++) PetscCall(MpmGridCopy(grid, PETSC_FALSE, 1, k->scaled + c * own, s->sum[c]));
+  PetscCall(MpmGridSum(grid, s->dim, s->sum));
+  for (PetscInt c = 0; c < s->dim; c++) {
+    MpmGridImages(grid, direction, s->at.slopes.parity[c], PETSC_FALSE, s->sum[c]);
+    for (PetscInt i = 0; i < size; i++) k->node[LANES * i + c] = s->sum[c][i - grid->origin];
+  }
+  PetscCall(PetscArrayzero(k->force, LANES * size));
+  for (PetscInt begin = 0; begin < count; begin += MPM_CLOUD) {
+    const PetscInt n = PetscMin(MPM_CLOUD, count - begin);
+
+    PlaceCloud(s, begin, n, k);
+    k->gather(&k->cloud, k->node + LANES * grid->origin, k->product);
+    Stress(s, begin, n, k->product);
+    k->spread(&k->cloud, k->force + LANES * grid->origin, k->product);
+  }
+  for (PetscInt c = 0; c < s->dim; c++) {
+    for (PetscInt i = 0; i < size; i++) s->sum[c][i - grid->origin] = k->force[LANES * i + c];
+    MpmGridImages(grid, direction, s->at.slopes.parity[c], PETSC_TRUE, s->sum[c]);
+  }
+  PetscCall(MpmGridSum(grid, s->dim, s->sum));
+  for (PetscInt c = 0; c < s->dim; c++) PetscCall(MpmGridCopy(grid, PETSC_TRUE, 1, y + c * own, s->sum[c]));
+  for (PetscInt i = 0; i < s->own; i++) y[i] *= k->scale[i];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -505,14 +612,16 @@ static PetscErrorCode FindByLanczos(Pass *s, MpmStepBounds *b)
   PetscReal  alpha[MPM_STEP_BOUND_PRODUCTS], beta[MPM_STEP_BOUND_PRODUCTS], *x, *y, *before, norm;
   PetscInt64 n;
   PetscInt   k = 0;
+  Products   products;
 
   PetscFunctionBegin;
+  PetscCall(CreateProducts(s, &products));
   PetscCall(PetscCalloc3(s->own, &x, s->own, &y, s->own, &before));
   PetscCall(Random(s, b->seed, x, &n));
   PetscCall(Dot(s, x, x, &norm));
   for (PetscInt i = 0; i < s->own; i++) x[i] /= sqrt(norm);
   while (k < MPM_STEP_BOUND_PRODUCTS) {
-    PetscCall(Multiply(s, x, y));
+    PetscCall(Multiply(s, &products, x, y));
     for (PetscInt i = 0; i < s->own && k; i++) y[i] -= beta[k - 1] * before[i];
     PetscCall(Dot(s, x, y, &alpha[k]));
     for (PetscInt i = 0; i < s->own; i++) y[i] -= alpha[k] * x[i];
@@ -525,6 +634,7 @@ static PetscErrorCode FindByLanczos(Pass *s, MpmStepBounds *b)
     }
   }
   PetscCall(PetscFree3(x, y, before));
+  PetscCall(PetscFree4(products.node, products.force, products.scale, products.scaled));
   if (beta[k - 1] == 0) beta[k - 1] = PETSC_MACHINE_EPSILON * alpha[0];
   b->nodes    = n;
   b->products = k;
@@ -545,9 +655,8 @@ static PetscReal LambdaOf(const MpmSpace *space)
 
 static PetscErrorCode Begin(MpmMarch *march, const MpmStepBounds *b, Pass *s)
 {
-  const MpmSpace  *space = &march->scheme->space;
-  const PetscInt   count = march->particles->count;
-  const PetscReal *stiffness;
+  const MpmSpace *space = &march->scheme->space;
+  const PetscInt  count = march->particles->count;
 
   PetscFunctionBegin;
   *s = (Pass){.march      = march,
@@ -557,37 +666,29 @@ static PetscErrorCode Begin(MpmMarch *march, const MpmStepBounds *b, Pass *s)
               .lambda     = LambdaOf(space),
               .mu         = (1 - LambdaOf(space)) / 2};
   PetscCall(MpmStencilsCreate(march, &s->at));
-  PetscCall(PetscMalloc4(count, &s->weight, count, &s->value, count, &s->stiffness,
-                         MPM_STENCILS * MpmSlopesMost(&s->at.slopes), &s->times));
-  PetscCall(CreateArray(march->grid, &s->inverse));
-  PetscCall(MpmMarchGetProperty(march, MPM_MASS, &s->mass));
-  PetscCall(MpmMarchGetProperty(march, MPM_VOLUME, &s->volume));
-  PetscCall(MpmMarchGetProperty(march, MPM_STIFFNESS, &stiffness));
+  PetscCall(PetscMalloc3(count, &s->weight, count, &s->value, count, &s->stiffness));
+  s->mass    = s->at.at.weight[MPM_MASS];
+  s->volume  = s->at.at.weight[MPM_VOLUME];
+  s->inverse = s->at.at.sum[MPM_MASSES];
   for (PetscInt p = 0; p < count; p++) {
-    s->stiffness[p] = (b->moduli ? b->moduli[p] : 1) * Of(stiffness, p);
+    s->stiffness[p] = (b->moduli ? b->moduli[p] : 1) * Of(s->at.at.weight[MPM_STIFFNESS], p);
     s->weight[p]    = sqrt(Of(s->volume, p));
   }
-  PetscCall(MpmMarchRestoreProperty(march, MPM_STIFFNESS, &stiffness));
   for (PetscInt a = 0; a < s->dim; a++) {
-    PetscCall(CreateArray(march->grid, &s->sum[a]));
-    PetscCall(CreateArray(march->grid, &s->field[a]));
+    PetscCall(PetscCalloc1(MpmGridSize(march->grid), &s->sum[a]));
+    s->sum[a] += march->grid->origin;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode End(Pass *s)
 {
-  const MpmMarch *march = s->march;
-
   PetscFunctionBegin;
   for (PetscInt a = 0; a < s->dim; a++) {
-    PetscCall(DestroyArray(march->grid, &s->field[a]));
-    PetscCall(DestroyArray(march->grid, &s->sum[a]));
+    s->sum[a] -= s->march->grid->origin;
+    PetscCall(PetscFree(s->sum[a]));
   }
-  PetscCall(MpmMarchRestoreProperty(march, MPM_VOLUME, &s->volume));
-  PetscCall(MpmMarchRestoreProperty(march, MPM_MASS, &s->mass));
-  PetscCall(DestroyArray(march->grid, &s->inverse));
-  PetscCall(PetscFree4(s->weight, s->value, s->stiffness, s->times));
+  PetscCall(PetscFree3(s->weight, s->value, s->stiffness));
   PetscCall(MpmStencilsDestroy(&s->at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -603,10 +704,13 @@ PetscErrorCode MpmStepBoundsFind(MpmMarch *march, MpmStepBounds *b)
   if (b->why_not) PetscFunctionReturn(PETSC_SUCCESS);
   b->factor = formulation->step_bound(&march->scheme->numbers, march->scheme->transfer);
   PetscCall(Begin(march, b, &s));
-  PetscCall(Sum(&s, PETSC_TRUE));
   if (b->kinds & MPM_BOUND_LONE) PetscCall(FindLone(&s, b));
+  PetscCall(PetscLogEventBegin(march->watch_event, 0, 0, 0, 0));
   if (b->kinds & MPM_BOUND_PARTICLE) PetscCall(FindByParticle(&s, b));
+  PetscCall(PetscLogEventEnd(march->watch_event, 0, 0, 0, 0));
+  PetscCall(PetscLogEventBegin(march->certificate_event, 0, 0, 0, 0));
   if (b->kinds & MPM_BOUND_LANCZOS) PetscCall(FindByLanczos(&s, b));
+  PetscCall(PetscLogEventEnd(march->certificate_event, 0, 0, 0, 0));
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, &s.loses, 1, MPIU_BOOL, MPI_LOR, PetscObjectComm((PetscObject)march->grid->da)));
   if (s.loses) b->why_not = "a particle exactly on a node has a slope at a node without mass";

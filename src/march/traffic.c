@@ -1,10 +1,11 @@
 /*
-   The bytes that a step moves between memory and processor.
+   What a step costs and does at most: the bytes that it moves between memory and processor, and the factor by which it can
+   enlarge the state.
 
    Each array is read once a pass, and written once if the pass changes it. An array that is only written is read too,
    because the processor fetches a line before it changes a part of it. Each operation on nodes is a sweep of its own.
 */
-#include "march/traffic.h"
+#include "march/passes.h"
 #include <math.h>
 #include <stdint.h>
 
@@ -73,4 +74,57 @@ PetscReal MpmScheduleBytes(const MpmTable *table, const MpmSchedule *schedule, P
     if (!alike) of_particle += sizeof(PetscInt) + sizeof(PetscReal);
   }
   return of_particle + of_node / particles_per_node;
+}
+
+/* The maximum norm of an operation whose number a is 1. */
+static PetscReal NormOf(MpmOpKind kind, const MpmBasis *basis, PetscInt dim, PetscInt ppc, PetscReal least_mass)
+{
+  PetscReal cells = 1; /* in which a node has particles: as many as a particle has nodes */
+
+  for (PetscInt a = 0; a < dim; a++) cells *= MpmMapReach(basis);
+  switch (kind) {
+  case MPM_DIV:
+  case MPM_DIV_MLS:
+    return basis->slope_sum * ppc * cells / least_mass;
+  case MPM_CURVE:
+  case MPM_CURVE_MLS: /* along two axes the product of two slopes */
+    return PetscMax(basis->curve_sum, PetscSqr(basis->slope_sum)) * ppc * cells / least_mass;
+  case MPM_GRAD:
+  case MPM_GRAD_MLS:
+  case MPM_G2P_SLOPE:
+  case MPM_G2P_AFFINE: /* at most the largest gradient on a particle's nodes */
+    return basis->slope_sum;
+  case MPM_LAP:
+    return 4;
+  case MPM_SOLVE:    /* with G2P after it, it is a projection; P W has rarely an eigenvalue below 1/100 */
+  case MPM_IMPLICIT: /* it is a contraction in the nodal masses, which rarely differ by more than 100 squared */
+    return 100;
+  default:
+    return 1;
+  }
+}
+
+PetscReal MpmScheduleBound(const MpmTable *t, const MpmBasis *basis, PetscReal courant, PetscInt ppc,
+                           PetscReal least_mass, PetscReal stiffness)
+{
+  PetscReal particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], bound = 1;
+
+  for (PetscInt i = 0; i < MPM_MAX_FIELDS; i++) particle[i] = node[i] = 1;
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOp      *op     = &t->ops[o];
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+    PetscReal        *dst, from;
+
+    if (traits.dst == MPM_NOWHERE) continue;
+    dst  = traits.dst == MPM_ON_NODES ? &node[op->dst] : &particle[op->dst];
+    from = traits.src == MPM_ON_NODES ? node[op->src] : particle[op->src];
+    from *= PetscAbsReal(MpmOpValue(op, courant)) * NormOf(op->kind, basis, t->dim, ppc, least_mass);
+    if (traits.weight == MPM_STIFFNESS) from *= stiffness;
+    if (op->kind == MPM_WALL)
+      *dst = PetscMax(*dst, from);
+    else
+      *dst = from + (op->accumulates ? *dst : 0);
+  }
+  for (PetscInt i = 0; i < t->nstate; i++) bound = PetscMax(bound, particle[i]);
+  return bound;
 }

@@ -24,7 +24,7 @@ PetscInt MpmAdvance(const MpmDirection *direction, PetscInt first, PetscInt n, c
                     PetscReal xi[], PetscInt range[2]);
 
 /*
-   MpmStressAhead - the stress T at a part a of a step with the slopes L, brought back to its start (stress_ahead.c), and
+   MpmStressAhead - the stress T at a part a of a step with the slopes L, brought back to its start, and
    MpmStressAheadTangent, its differential along dL and dF (NULL: 0).
 
    Not collective. Returns the first particle whose volume there is not positive and finite, which gets the stress at F, or n.

@@ -1,6 +1,81 @@
-/* The state of a written scheme while its lines become operations. */
+/* A written scheme while it is read: a line as it is understood, and the state while lines become operations. */
 #pragma once
-#include "scheme/language_line.h"
+#include "scheme/language.h"
+
+/* A polynomial in the Courant number: of[p] multiplies its power p. has[p]: the text has such a term, if only with 0. */
+typedef struct {
+  PetscReal of[MPM_MOST_POWER + 1];
+  PetscBool has[MPM_MOST_POWER + 1];
+} MpmPowers;
+
+/* Whether a polynomial is one power alone, and which; whether it is the number 1. */
+PetscBool MpmPowersIsOne(const MpmPowers *powers, PetscInt *power);
+PetscBool MpmPowersIsUnit(const MpmPowers *powers);
+
+/*
+   A term: factor times an operation on a field. The kind is COPY for a field of nodes as it stands, and ADD for one of
+   particles. dot and stress: the text says 'GRAD .' or 'STRESS GRAD'.
+*/
+typedef struct {
+  MpmOpKind kind;
+  MpmPlace  place;
+  PetscInt  field;
+  PetscBool dot, stress;
+  MpmPowers factor;
+} MpmTerm;
+
+#define MPM_MOST_TERMS 24
+
+/*
+   MPM_LINE_SET   - field = terms; with adds field += terms, where 'field -= terms' has become a sum
+   MPM_LINE_IMPOSE, MPM_LINE_REACT, MPM_LINE_FILTER, MPM_LINE_MOVE - with their fields; of a FILTER field is that of
+                    particles. op says which of the filters, or of MOVE and MOVE_PROJECTED, it is; share: how much of a
+                    field particles move with
+   MPM_LINE_IMPLICIT - with its field, and its number as the factor of a term
+*/
+typedef enum {
+  MPM_LINE_SET,
+  MPM_LINE_IMPOSE,
+  MPM_LINE_REACT,
+  MPM_LINE_FILTER,
+  MPM_LINE_MOVE,
+  MPM_LINE_IMPLICIT,
+  MPM_LINE_DRIFT
+} MpmLineKindOf;
+
+typedef struct {
+  MpmLineKindOf kind;
+  MpmOpKind     op;
+  MpmPlace      place;
+  PetscInt      field, other, nterms;
+  PetscBool     adds;
+  PetscReal     share;
+  MpmTerm       term[MPM_MOST_TERMS];
+} MpmLine;
+
+/* Collective. Reads a line. numbers: the values of the parameters. Refuses what is not one of the language's lines. */
+PetscErrorCode MpmLineRead(const MpmWritten *written, const PetscReal numbers[], const MpmWrittenText *text,
+                           MpmLine *line);
+
+/*
+   Collective. The value of the text of a parameter; found(context, name, &value) looks other parameters up and refuses
+   those that do not exist.
+*/
+typedef PetscErrorCode (*MpmLookUp)(void *context, const MpmWrittenText *text, const char name[], PetscReal *value);
+PetscErrorCode MpmNumberRead(const MpmWritten *written, const MpmWrittenText *text, MpmLookUp found, void *context,
+                             PetscReal *value);
+
+/* Not collective. The field of a name, and where it is; MPM_NOWHERE when there is none. */
+MpmPlace MpmWrittenFindField(const MpmWritten *written, const char name[], PetscInt *field);
+
+/* Not collective. Whether a word has a meaning of its own in lines, so that nothing else may have its name. */
+PetscBool MpmWrittenIsWord(const char name[]);
+
+/* Refuses a line: its place, the line itself, and what is wrong with it. */
+#define MPM_SHOWN_OF_LINE 100
+#define MpmRefuseLine(written, where, ...) return MpmWrittenRefuse(written, where, __VA_ARGS__)
+PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText *where, const char format[], ...)
+    __attribute__((format(printf, 3, 4)));
 
 /*
    f        - the formulation that is made; the fields of nodes that the text does not name come after the others

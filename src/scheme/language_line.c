@@ -6,7 +6,7 @@
      product = factor {['*' | '/'] factor}
      factor  = (number | name | '(' sum ')') ['^' whole number]  |  operation product
 */
-#include "scheme/language_line.h"
+#include "scheme/language_compile.h"
 #include "base/suggest.h"
 #include "base/text.h"
 #include <mpmstab/errors.h>

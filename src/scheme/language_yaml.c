@@ -1,7 +1,7 @@
 /* From YAML to a written scheme: its keys, the names of its fields and parameters, its lines. */
 #include "scheme/language.h"
 #include "base/text.h"
-#include "scheme/language_line.h"
+#include "scheme/language_compile.h"
 #include "base/suggest.h"
 #include <mpmstab/errors.h>
 #include <ctype.h>

@@ -58,7 +58,7 @@ PetscInt MpmSpaceComponents(const MpmSpace *space, MpmRank rank);
 PetscInt MpmSpaceStress(const MpmSpace *space, PetscInt a, PetscInt b);
 
 /*
-   Not collective. Whether a field is a stress of the middle of an implicit step about a prestress: T = tau A^-T (stress_ahead.c) has
+   Not collective. Whether a field is a stress of the middle of an implicit step about a prestress: T = tau A^-T (deform.c) has
    dim x dim components, and its own part of the prestress.
 */
 PetscBool MpmBuilderIsAhead(const MpmTableBuilder *b, PetscInt field);
@@ -84,7 +84,7 @@ PetscErrorCode MpmBuilderImposeWithReaction(MpmTableBuilder *b, PetscInt node, P
 PetscErrorCode MpmBuilderReact(MpmTableBuilder *b, PetscInt dst, PetscInt imposed);
 
 /*
-   Not collective. What colliders do (table_colliders.c) at line number o of the formulation, an IMPOSE, and CollideAgain at one
+   Not collective. What colliders do (table_walls.c) at line number o of the formulation, an IMPOSE, and CollideAgain at one
    that is a REACT; nothing without colliders. MpmBuilderGiveLost: after it, and after the walls, particles get what the
    velocity has lost.
 */

@@ -14,7 +14,7 @@
      DRIFT                x <- x + k sum_i phi_ip of that velocity
 
      IMPLICIT           a_i is the solution of a_i = - k DIV T, T = P((I + theta L) F) F^T the stress in the middle of the step,
-                        brought back to its start (stress_ahead.c). L = k GRAD (v_i + theta a_i). The lines that set the stress of
+                        brought back to its start (deform.c). L = k GRAD (v_i + theta a_i). The lines that set the stress of
                         the middle, and make a force of it, are lines of this system.
 
    tau, L, copies of F and the way that particles go are scratch: they live for one pass over the particles. So L and this

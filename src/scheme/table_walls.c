@@ -1,5 +1,17 @@
-/* What a table does at the ends of directions: IMPOSE and REACT become WALL. */
+/*
+   What a table does at the ends of directions and at colliders. At ends IMPOSE and REACT become WALL.
+
+   What colliders make of a table. Formulations do not name them: as walls they follow from IMPOSE and REACT.
+
+     IMPOSE(v)     w = v, then v = P(v). P is what the bodies make of a velocity (collider.h).
+     REACT(a, v)   a += P(v + a) - (v + a), so that v + a is what the bodies allow
+                   v_p += G2P (v - w): particles get what v lost when it was imposed, as they get a
+
+   The second line of REACT is for an IMPOSE of a P2G that REACT follows. Elsewhere v is imposed for the strain alone.
+*/
 #include "scheme/table_builder.h"
+
+/* ---- ends ---- */
 
 static PetscErrorCode Wall(MpmTable *t, PetscInt axis, PetscInt end, PetscInt dst, PetscInt src, PetscReal factor)
 {
@@ -58,5 +70,106 @@ PetscErrorCode MpmBuilderReact(MpmTableBuilder *b, PetscInt dst, PetscInt impose
       if (t->ends[axis][end] == MPM_FIXED_REACTION) PetscCall(Wall(b->table, axis, end, dst, b->kept[imposed], -1));
     }
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- colliders ---- */
+
+/* The line of a formulation's P2G of a node field before line o; MPM_NONE: there is none. */
+static PetscInt SumBefore(const MpmFormulation *f, PetscInt o, PetscInt node)
+{
+  while (--o >= 0)
+    if (f->ops[o].kind == MPM_P2G && f->ops[o].dst == node && !f->ops[o].accumulates) return o;
+  return MPM_NONE;
+}
+
+/* Whether the next line after o that begins anew with a node field, or reacts to it, reacts. */
+static PetscBool ReactsLater(const MpmFormulation *f, PetscInt o, PetscInt node)
+{
+  while (++o < f->nops) {
+    if (f->ops[o].kind == MPM_REACT && f->ops[o].src == node) return PETSC_TRUE;
+    if (f->ops[o].kind == MPM_P2G && f->ops[o].dst == node) return PETSC_FALSE;
+  }
+  return PETSC_FALSE;
+}
+
+/* Registers for a velocity, like those of a node field. */
+static PetscErrorCode AddNodes(MpmTableBuilder *b, PetscInt node, PetscInt *first)
+{
+  PetscInt next;
+
+  PetscFunctionBegin;
+  if (*first != MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmTableNode(b->table, b->node[node], first));
+  for (PetscInt c = 1; c < b->table->dim; c++) PetscCall(MpmTableNode(b->table, b->node[node] + c, &next));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Copy(MpmTableBuilder *b, PetscInt dst, PetscInt src, PetscReal factor, PetscBool accumulates)
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < b->table->dim; c++)
+    PetscCall(MpmTableAppendOwn(
+        b->table,
+        (MpmOp){.kind = MPM_COPY, .dst = dst + c, .src = src + c, .factor = factor, .accumulates = accumulates}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* dst += P(u) - u, with u = v, or u = v + plus */
+static PetscErrorCode Collide(MpmTableBuilder *b, PetscInt dst, PetscInt node, PetscInt plus)
+{
+  PetscFunctionBegin;
+  PetscCall(AddNodes(b, node, &b->trial));
+  PetscCall(Copy(b, b->trial, b->node[node], 1, PETSC_FALSE));
+  if (plus != MPM_NONE) PetscCall(Copy(b, b->trial, plus, 1, PETSC_TRUE));
+  for (PetscInt c = 0; c < b->table->dim; c++)
+    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind        = MPM_COLLIDE,
+                                                  .axis        = c,
+                                                  .dst         = dst + c,
+                                                  .src         = b->trial + c,
+                                                  .factor      = 1,
+                                                  .accumulates = PETSC_TRUE}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscBool Collides(const MpmTableBuilder *b, PetscInt node)
+{
+  return b->space->collides && b->formulation->node_ranks[node] == MPM_VECTOR ? PETSC_TRUE : PETSC_FALSE;
+}
+
+PetscErrorCode MpmBuilderCollide(MpmTableBuilder *b, PetscInt o)
+{
+  const PetscInt node = b->formulation->ops[o].dst, sum = SumBefore(b->formulation, o, node);
+
+  PetscFunctionBegin;
+  if (!Collides(b, node)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (sum != MPM_NONE && ReactsLater(b->formulation, o, node) && b->lost_by == MPM_NONE) {
+    b->lost_by = b->formulation->ops[sum].src;
+    PetscCall(AddNodes(b, node, &b->lost));
+    PetscCall(Copy(b, b->lost, b->node[node], 1, PETSC_FALSE));
+  }
+  PetscCall(Collide(b, b->node[node], node, MPM_NONE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBuilderCollideAgain(MpmTableBuilder *b, PetscInt o)
+{
+  const PetscInt node = b->formulation->ops[o].src;
+
+  PetscFunctionBegin;
+  if (!Collides(b, node)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Collide(b, b->node[b->formulation->ops[o].dst], node, b->node[b->formulation->ops[o].dst]));
+  if (b->lost_by == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(Copy(b, b->lost, b->lost, -1, PETSC_FALSE));
+  PetscCall(Copy(b, b->lost, b->node[node], 1, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBuilderGiveLost(MpmTableBuilder *b)
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; b->lost_by != MPM_NONE && c < b->table->dim; c++)
+    PetscCall(MpmBuilderAppend(b, (MpmOp)G2P(b->particle[b->lost_by] + c, b->lost + c, ONE)));
+  b->lost_by = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -8,7 +8,6 @@
 #include "fuzz.h"
 #include "checked.h"
 #include "io/checkpoint.h"
-#include "march/conserved.h"
 #include "march/diagnostics.h"
 #include "scene/request.h"
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Every momentum scheme, with every transfer and basis, conserves momentum to rounding; a loss is noticed. */
 #include "check.h"
-#include "march/conserved.h"
+#include "march/diagnostics.h"
 
 static PetscErrorCode Change(const char options[], PetscReal changes[2])
 {

@@ -5,7 +5,7 @@
 #include "analysis/run.h"
 #include "finite.h"
 #include "gather.h"
-#include "march/conserved.h"
+#include "march/diagnostics.h"
 #include "oracle.h"
 
 #define LEAST 1.0001        /* growth per step; rows without growth have nothing to measure */

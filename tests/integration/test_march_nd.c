@@ -4,7 +4,7 @@
    vary along y is the one-dimensional one, and a scene with its axes exchanged is the same scene.
 */
 #include "gather.h"
-#include "march/conserved.h"
+#include "march/diagnostics.h"
 #include "operators.h"
 
 static PetscErrorCode AllAgree(size_t n, const char *const options[])

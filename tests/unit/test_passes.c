@@ -1,6 +1,6 @@
 /* Compiled passes: there are as few as the algorithms allow, and they do nothing that a scene does not need. */
 #include "check.h"
-#include "march/traffic.h"
+#include "march/passes.h"
 
 static PetscInt CountKind(const MpmSchedule *s, MpmPassOpKind kind)
 {

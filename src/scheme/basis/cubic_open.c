@@ -8,18 +8,14 @@
    sums follow from B_0 = (1 - x)^3 in the first cell, B_1 = (2 - x)^3 / 4 in the second, and partition of unity.
 */
 #define NODES 4
-#include "scheme/basis/ends.h"
+#define OFFSET (-1)
+#include "scheme/basis/nodes.h"
 #include "scheme/basis/splines.h"
 
 static inline PetscInt First(PetscReal xi)
 {
   (void)xi;
   return 0;
-}
-
-static inline PetscReal Offset(void)
-{
-  return -1;
 }
 
 static inline void Values(PetscReal xi, PetscReal phi[NODES])

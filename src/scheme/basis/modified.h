@@ -6,12 +6,8 @@
    Source: Steffen, Kirby and Berzins 2008, who give the functions at a boundary.
 */
 #pragma once
-#include "scheme/basis/ends.h"
-
-static inline PetscReal Offset(void)
-{
-  return 0;
-}
+#define OFFSET 0
+#include "scheme/basis/nodes.h"
 
 static inline void Alter(PetscInt before, PetscInt step, PetscReal w[])
 {

@@ -9,7 +9,18 @@
 
    First is the first of the nodes, counted from the cell's left node. Slopes gives h dphi/dx, and Curves h^2 d2phi/dx2.
    Hats have no Curves, and say so by NO_CURVES. Functions that depend on the width of a particle take half of it, in
-   cells, as their second argument, and say so by WIDE. Functions that differ near walls (ends.h) say so by NEAR_WALLS.
+   cells, as their second argument, and say so by WIDE.
+
+   Splines may have other functions next to walls, sums of the uniform ones. Then the weights of a particle are those of
+   the uniform splines, altered where it is near a wall. Node i of the uniform splines is at (i + OFFSET) h. The file defines OFFSET,
+   which says that walls are near, and after this header
+
+     static inline void Alter(PetscInt before, PetscInt step, PetscReal w[]);
+     static inline void Shift(PetscInt before, PetscInt step, PetscReal r[]);
+
+   Alter turns values or slopes of uniform splines, w[0], w[step], w[2 step] ..., into those of the basis at one wall, and Shift
+   moves the nodes' places. before is the number of nodes between the wall's node and w[0], and step leads away from the wall:
+   1 at the left, -1 at the right. Such bases have no Curves.
 */
 #pragma once
 #include <mpmstab/basis.h>
@@ -27,15 +38,6 @@ typedef struct {
 /* Sets the weights of a particle's nodes. */
 typedef void (*Weights)(Place at, PetscReal weight[NODES]);
 
-static inline PetscInt First(PetscReal xi);
-
-#ifdef NEAR_WALLS
-static inline void Phi(Place at, PetscReal weight[NODES]);
-static inline void Gradient(Place at, PetscReal weight[NODES]);
-static inline void Moment(Place at, PetscReal weight[NODES]);
-static inline void Fitted(Place at, PetscReal weight[NODES]);
-#define WALL_NODES
-#else
 #ifdef WIDE
 #define PLACE PetscReal xi, PetscReal half_width
 #define AT_PLACE at.xi, at.half_width
@@ -43,31 +45,48 @@ static inline void Fitted(Place at, PetscReal weight[NODES]);
 #define PLACE PetscReal xi
 #define AT_PLACE at.xi
 #endif
-static inline void Values(PLACE, PetscReal phi[NODES]);
-static inline void Slopes(PLACE, PetscReal slope[NODES]);
+static inline PetscInt First(PetscReal xi);
+static inline void     Values(PLACE, PetscReal phi[NODES]);
+static inline void     Slopes(PLACE, PetscReal slope[NODES]);
+
+/* Calls Alter or Shift at the walls that are near. */
+#ifdef OFFSET
+#define NO_CURVES
+#define WALL_NODES
+#define NEAR(Change, at, w)                                                                                            \
+  Change((at).first - (at).wall[0], 1, w);                                                                             \
+  Change((at).wall[1] - ((at).first + NODES - 1), -1, (w) + NODES - 1)
+static inline void Alter(PetscInt before, PetscInt step, PetscReal w[]);
+static inline void Shift(PetscInt before, PetscInt step, PetscReal r[]);
+#else
+#define OFFSET 0
 #define WALL_NODES .wall_nodes = 1,
+#define NEAR(Change, at, w)
+#endif
 
 static inline void Phi(Place at, PetscReal weight[NODES])
 {
   Values(AT_PLACE, weight);
+  NEAR(Alter, at, weight);
 }
 
 static inline void Gradient(Place at, PetscReal weight[NODES])
 {
   Slopes(AT_PLACE, weight);
+  NEAR(Alter, at, weight);
 }
 
-/* The weights are phi (x_i - x_p) / h; returns sum_i phi (x_i - x_p)^2 / h^2. */
+/* The weights are phi (x_i - x_p) / h; returns D = sum_i phi (x_i - x_p)^2 / h^2. */
 static inline PetscReal Moments(Place at, PetscReal weight[NODES])
 {
-  PetscReal sum = 0;
+  PetscReal r[NODES], sum = 0;
 
-  Values(AT_PLACE, weight);
+  for (int d = 0; d < NODES; d++) r[d] = First(at.xi) + d + OFFSET - at.xi;
+  NEAR(Shift, at, r);
+  Phi(at, weight);
   for (int d = 0; d < NODES; d++) {
-    const PetscReal distance = First(at.xi) + d - at.xi;
-
-    weight[d] *= distance;
-    sum += weight[d] * distance;
+    weight[d] *= r[d];
+    sum += weight[d] * r[d];
   }
   return sum;
 }
@@ -77,14 +96,22 @@ static inline void Moment(Place at, PetscReal weight[NODES])
   (void)Moments(at, weight);
 }
 
-/* phi (x_i - x_p) h / D */
+/* Below this D is rounding: the particle is on a wall whose node has all of its weight. Inside D is never so small. */
+#define NO_SPREAD 1e-8
+
+/* The weights are phi (x_i - x_p) h / D. At a wall they go over into the slopes, as D goes to 0. */
 static inline void Fitted(Place at, PetscReal weight[NODES])
 {
   const PetscReal sum = Moments(at, weight);
 
+#ifdef NO_CURVES
+  if (sum < NO_SPREAD) {
+    Gradient(at, weight);
+    return;
+  }
+#endif
   for (int d = 0; d < NODES; d++) weight[d] /= sum;
 }
-#endif
 
 #ifndef NO_CURVES
 static inline void Curves(PLACE, PetscReal curve[NODES]);

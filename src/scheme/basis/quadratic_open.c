@@ -8,18 +8,14 @@
    and B_1 = 2 x - 3 x^2 / 2 in the first cell.
 */
 #define NODES 3
-#include "scheme/basis/ends.h"
+#define OFFSET (-0.5)
+#include "scheme/basis/nodes.h"
 #include "scheme/basis/splines.h"
 
 static inline PetscInt First(PetscReal xi)
 {
   (void)xi;
   return 0;
-}
-
-static inline PetscReal Offset(void)
-{
-  return -0.5;
 }
 
 static inline void Values(PetscReal xi, PetscReal phi[NODES])

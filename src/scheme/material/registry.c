@@ -32,7 +32,7 @@ static PetscReal LargestEigenvalue(PetscInt dim, const PetscReal s[])
 
   if (dim == 1) return s[0];
   Shifted(dim, 1, s, -mean, off);
-  if (dim == 2) return mean + hypot(off[0], off[1]);
+  if (dim == 2) return mean + sqrt(off[0] * off[0] + off[1] * off[1]);
   size = sqrt(Contract(dim, off, off) / 6);
   if (size == 0) return mean;
   Shifted(dim, 1 / size, off, 0, off);

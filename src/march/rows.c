@@ -1,8 +1,265 @@
-/* Takes the particles of a rank through a pass, row by row. */
-#include "march/finite.h"
+/*
+   Passes by rows: finds the rows of a rank's particles, compiles a pass for rows, and takes the particles through it.
+
+   Maps that follow one another in the same direction, to nodes or to particles, become one step of a plan. Within it they are
+   sorted by line and weights. The order of such maps matters to rounding alone.
+*/
 #include "march/rows.h"
+#include "march/finite.h"
 #include "scheme/lines.h"
 #include "scheme/maps.h"
+
+/* ---- rows: they stay as they are until particles migrate ---- */
+
+#define WHOLE 4 /* particles that a row may have more, so that it ends with its cell */
+
+/* The number of particles from begin on that are on one line along x. */
+static PetscInt OnLine(const MpmMarchArrays *a, PetscInt begin)
+{
+  PetscInt n = 1;
+
+  for (; begin + n < a->march->particles->count; n++)
+    for (PetscInt d = 1; d < a->march->layout->dim; d++)
+      if (a->cell[d][begin + n] != a->cell[d][begin] || a->xi[d][begin + n] != a->xi[d][begin]) return n;
+  return n;
+}
+
+/* The number of particles of a row from begin on: about `share` in whole cells, for which a line of nodes has room. */
+static PetscInt Length(const MpmMarchArrays *a, PetscInt begin, PetscInt line, PetscInt share)
+{
+  const PetscInt most = PetscMin(line, MPM_BLOCK), *cell = a->cell[0] + begin;
+  PetscInt       n = 1;
+
+  for (; n < most && cell[n] >= cell[0] && cell[n] - cell[0] < MPM_BLOCK; n++)
+    if (n >= share && cell[n] != cell[n - 1]) return n;
+  return n;
+}
+
+/* Whether n particles from begin on rest at the same places along x as those from of on, but for whole cells. */
+static PetscBool IsAlike(const MpmMarchArrays *a, PetscInt of, PetscInt begin, PetscInt n, PetscBool altered)
+{
+  const PetscInt  *cell = a->cell[0] + begin, *of_cell = a->cell[0] + of;
+  const PetscReal *xi = a->xi[0] + begin, *of_xi = a->xi[0] + of;
+  PetscInt         differ = altered && cell[0] != of_cell[0];
+
+  for (PetscInt p = 0; p < n; p++) differ |= (cell[p] - cell[0] != of_cell[p] - of_cell[0]) | (xi[p] != of_xi[p]);
+  return differ ? PETSC_FALSE : PETSC_TRUE;
+}
+
+/*
+   The number of rows, which are stored unless row is NULL. The rows of a line are as long as one another, if whole cells
+   permit, so that more of them are alike. Where each particle moves by itself no two rows stay alike.
+*/
+static PetscInt Visit(const MpmMarchArrays *a, PetscBool altered, MpmRow row[])
+{
+  PetscInt rows = 0, of = 0, before = 0, line = 0, share = 0;
+
+  for (PetscInt begin = 0, n; begin < a->march->particles->count; begin += n, line -= n, rows++) {
+    if (!line) {
+      line  = OnLine(a, begin);
+      share = (line - 1) / ((line - 1) / (MPM_BLOCK - WHOLE) + 1) + 1;
+    }
+    n = Length(a, begin, line, share);
+    if (row)
+      row[rows] =
+          (MpmRow){.begin = begin,
+                   .alike = n == before && !a->march->particles->own ? IsAlike(a, of, begin, n, altered) : PETSC_FALSE};
+    of     = begin;
+    before = n;
+  }
+  if (row) row[rows].begin = a->march->particles->count;
+  return rows;
+}
+
+PetscErrorCode MpmRowsFind(MpmMarch *march)
+{
+  const PetscBool altered = MpmBasisIsAltered(march->scheme->basis);
+  MpmMarchArrays  arrays  = {.march = march};
+
+  PetscFunctionBegin;
+  if (march->clouds) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMarchGetArrays(march, march->particles->step, &arrays));
+  march->nrows = Visit(&arrays, altered, NULL);
+  PetscCall(PetscFree(march->row));
+  PetscCall(PetscMalloc1(march->nrows + 1, &march->row));
+  (void)Visit(&arrays, altered, march->row);
+  PetscCall(MpmMarchRestoreArrays(march, &arrays));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- a pass compiled for rows ---- */
+
+/* What the maps of a step are sorted by, the most important first: the line, which is across x, and the kind of weights along x. */
+typedef struct {
+  PetscInt         node;
+  MpmOpKind        z, y, along;
+  PetscReal        a;
+  const MpmPassOp *op;
+} Entry;
+
+typedef struct {
+  const MpmBasis *basis;
+  MpmRowPlan     *plan;
+  PetscInt        n, nsamples;
+  PetscBool       to_nodes;
+  Entry           entry[2 * MPM_MAX_PASS_OPS];
+  PetscInt        sample[MPM_MAX_PASS_OPS];
+} Group;
+
+static PetscBool SameLine(const Entry *a, const Entry *b)
+{
+  return a->node == b->node && a->z == b->z && a->y == b->y ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscBool Precedes(const Entry *a, const Entry *b)
+{
+  if (a->node != b->node) return a->node < b->node ? PETSC_TRUE : PETSC_FALSE;
+  if (a->z != b->z) return a->z < b->z ? PETSC_TRUE : PETSC_FALSE;
+  if (a->y != b->y) return a->y < b->y ? PETSC_TRUE : PETSC_FALSE;
+  return a->along < b->along ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Adds an entry behind those that do not come after it. */
+static void Insert(Group *g, Entry entry)
+{
+  PetscInt i = g->n++;
+
+  for (; i > 0 && Precedes(&entry, &g->entry[i - 1]); i--) g->entry[i] = g->entry[i - 1];
+  g->entry[i] = entry;
+}
+
+static void AddStep(MpmRowPlan *plan, MpmRowStep step)
+{
+  plan->step[plan->nsteps++] = step;
+}
+
+/* The number of a kind of weights in a plan. */
+static PetscInt KindOf(MpmRowPlan *plan, MpmOpKind kind)
+{
+  for (PetscInt k = 0; k < plan->nkinds; k++)
+    if (plan->kind[k] == kind) return k;
+  plan->kind[plan->nkinds] = kind;
+  return plan->nkinds++;
+}
+
+static MpmRowMap MapOf(MpmRowPlan *plan, const Entry *entry)
+{
+  const PetscBool masses = entry->node == MPM_MASSES ? PETSC_TRUE : PETSC_FALSE;
+
+  return (MpmRowMap){.weights  = KindOf(plan, entry->along),
+                     .a        = masses ? 1 : entry->a,
+                     .particle = masses ? MPM_NONE : entry->op->particle,
+                     .weight   = entry->op->weight};
+}
+
+/* The number of the weights that a line has across it. */
+static PetscInt AcrossOf(MpmRowPlan *plan, const Entry *e)
+{
+  const PetscInt y = KindOf(plan, e->y), z = KindOf(plan, e->z);
+
+  for (PetscInt n = 0; n < plan->nacross; n++)
+    if (plan->across[n].y == y && plan->across[n].z == z) return n;
+  plan->across[plan->nacross] = (MpmRowAcross){.y = y, .z = z};
+  return plan->nacross++;
+}
+
+/* Makes a step of the maps of a group, and then of its samples. */
+static void Close(Group *g)
+{
+  MpmRowPlan    *plan  = g->plan;
+  const PetscInt begin = plan->nlines;
+
+  for (PetscInt i = 0; i < g->n; i++) {
+    const Entry *e    = &g->entry[i];
+    PetscInt     last = plan->nmaps;
+
+    if (i == 0 || !SameLine(e, &g->entry[i - 1]))
+      plan->line[plan->nlines++] = (MpmRowLine){.node = e->node, .across = AcrossOf(plan, e), .begin = plan->nmaps};
+    plan->map[plan->nmaps++]         = MapOf(plan, e);
+    plan->line[plan->nlines - 1].end = plan->nmaps;
+    while (last > plan->line[plan->nlines - 1].begin &&
+           plan->map[last - 1].weights == plan->map[plan->nmaps - 1].weights)
+      plan->map[--last].shared++;
+  }
+  if (g->n)
+    AddStep(plan,
+            (MpmRowStep){.kind = g->to_nodes ? MPM_ROW_SPREAD : MPM_ROW_GATHER, .begin = begin, .end = plan->nlines});
+  for (PetscInt s = 0; s < g->nsamples; s++)
+    AddStep(plan, (MpmRowStep){.kind = MPM_ROW_SAMPLE, .particle = g->sample[s]});
+  g->n = g->nsamples = 0;
+}
+
+/* Where the moment is the same at all places, the weights of P2G_AFFINE are those of DIV_MLS times the moment. */
+static void AddMap(Group *g, const MpmPassOp *op)
+{
+  const PetscReal moment = op->map == MPM_P2G_AFFINE ? g->basis->moment : 0;
+  const MpmOpKind map    = moment > 0 ? MPM_DIV_MLS : op->map;
+  Entry           entry  = {.node  = op->node,
+                            .z     = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 2)),
+                            .y     = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 1)),
+                            .along = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 0)),
+                            .a     = moment > 0 ? moment * op->a : op->a,
+                            .op    = op};
+
+  if (g->to_nodes != op->to_nodes) Close(g);
+  g->to_nodes = op->to_nodes;
+  Insert(g, entry);
+  if (op->kind != MPM_PASS_MASS) return;
+  entry.node = MPM_MASSES;
+  Insert(g, entry);
+}
+
+/* Whether a group has changed, or will sample, one of n particle fields. */
+static PetscBool Uses(const Group *g, PetscInt first, PetscInt n)
+{
+  for (PetscInt i = 0; i < g->n; i++)
+    if (g->entry[i].op->particle >= first && g->entry[i].op->particle < first + n) return PETSC_TRUE;
+  for (PetscInt s = 0; s < g->nsamples; s++)
+    if (g->sample[s] >= first && g->sample[s] < first + n) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Adds an operation of finite deformation. If the group uses none of its fields, it may come before the group. */
+static void AddFinite(Group *g, const MpmPassOp *op, PetscInt dim)
+{
+  const MpmFiniteWidth width = MpmFiniteWidthOf(op->map, dim, dim * dim);
+
+  if (op->map == MPM_ADVANCE || Uses(g, op->particle, width.to) || Uses(g, op->other, width.from)) Close(g);
+  AddStep(g->plan,
+          (MpmRowStep){
+              .kind = MPM_ROW_FINITE, .finite = op->map, .particle = op->particle, .other = op->other, .a = op->a});
+}
+
+void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, PetscInt dim, MpmRowPlan *plan)
+{
+  Group group = {.basis = basis, .plan = plan};
+
+  *plan = (MpmRowPlan){.nkinds = 1, .kind = {MPM_P2G}};
+  for (const MpmPassOp *op = pass->op; op < pass->op + pass->nops; op++) {
+    if (op->kind == MPM_PASS_MAP || op->kind == MPM_PASS_MASS)
+      AddMap(&group, op);
+    else if (op->kind == MPM_PASS_SAMPLE)
+      group.sample[group.nsamples++] = op->particle;
+    else if (op->kind == MPM_PASS_DRIFT) {
+      Close(&group);
+      AddStep(plan, (MpmRowStep){.kind = MPM_ROW_DRIFT});
+    } else if (op->kind == MPM_PASS_FINITE)
+      AddFinite(&group, op, dim);
+    else {
+      const PetscBool adds = op->kind == MPM_PASS_ADD ? PETSC_TRUE : PETSC_FALSE;
+
+      /* if the group uses neither field, the operation may come before it */
+      if (Uses(&group, op->particle, 1) || (adds && Uses(&group, op->other, 1))) Close(&group);
+      AddStep(plan, (MpmRowStep){.kind     = adds ? MPM_ROW_ADD : MPM_ROW_SCALE,
+                                 .particle = op->particle,
+                                 .other    = op->other,
+                                 .a        = op->a});
+    }
+  }
+  Close(&group);
+}
+
+/* ---- a pass taken row by row ---- */
 
 #define MARGIN                                                                                                         \
   (MPM_MAX_REACH + 1) /* nodes of a line before the cell of the row's first particle, and after that of its last */
