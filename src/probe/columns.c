@@ -1,10 +1,217 @@
-/* All columns one by one, and the operator as a shell. */
+/*
+   The columns of an operator. With places, cells are numbered along each direction, and cells whose numbers are equal modulo a
+   stride have one colour. The stride leaves free cells between what two particles of a colour reach. What arrives there shows
+   that the reach was taken too short. Without places each particle is a cell of its own, which reaches all others.
+*/
 #include "probe/columns.h"
 #include "base/hash.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 
-#define VECTORS 4 /* random ones, for a norm */
+#define FREE 1     /* cells between the reaches of two particles of a colour: what is felt farther is felt there, too */
+#define FELT 1e-14 /* a response below this, of the largest, is none */
+#define FELT_SINGLE 0.0 /* floats far away do not change at all */
+#define VECTORS 4       /* random ones, for a norm */
+
+/* Cells of particles, particles of cells, and the colours of both. */
+typedef struct {
+  MpmProbe   *probe;
+  PetscBool   wraps[MPM_MAX_DIM];
+  PetscInt    dim, first[MPM_MAX_DIM], cells[MPM_MAX_DIM], stride[MPM_MAX_DIM], groups[MPM_MAX_DIM], reach[MPM_MAX_DIM];
+  PetscInt   *cell; /* of each particle, dim numbers */
+  PetscInt   *slot; /* the number of a particle among those of its cell */
+  PetscInt    slots;
+  PetscInt64 *owner; /* the particle of slot 0 .. slots - 1 of each cell, or -1 */
+} Colouring;
+
+static PetscInt CellOf(const MpmStepper *s, PetscInt64 i, PetscInt a)
+{
+  if (s->place == MPM_NONE) return s->cell[i * s->dim + a];
+  return (PetscInt)floor(s->base[i * s->width + s->fields[s->place].first + a] / s->cell_width);
+}
+
+/* With a period cells are counted around it, without one from the first particle to the last. */
+static void Box(Colouring *c)
+{
+  const MpmStepper *s = c->probe->stepper;
+
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) c->cells[a] = 1;
+  for (PetscInt a = 0; a < c->dim; a++) {
+    PetscInt least = CellOf(s, 0, a), most = least;
+
+    for (PetscInt64 i = 0; i < s->particles; i++) {
+      least = PetscMin(least, CellOf(s, i, a));
+      most  = PetscMax(most, CellOf(s, i, a));
+    }
+    c->first[a] = least;
+    c->wraps[a] = s->period[a] > 0 ? PETSC_TRUE : PETSC_FALSE;
+    c->cells[a] = c->wraps[a] ? (PetscInt)ceil(s->period[a] / s->cell_width - 1e-6) : most - least + 1;
+  }
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    for (PetscInt a = 0; a < c->dim; a++) {
+      const PetscInt at = CellOf(s, i, a) - c->first[a];
+
+      c->cell[i * c->dim + a] = (at % c->cells[a] + c->cells[a]) % c->cells[a];
+    }
+  }
+}
+
+static PetscInt Number(const Colouring *c, const PetscInt cell[])
+{
+  PetscInt number = 0;
+
+  for (PetscInt a = c->dim - 1; a >= 0; a--) number = number * c->cells[a] + cell[a];
+  return number;
+}
+
+static PetscErrorCode Slots(Colouring *c)
+{
+  const MpmStepper *s   = c->probe->stepper;
+  const PetscInt64  all = (PetscInt64)c->cells[0] * c->cells[1] * c->cells[2];
+  PetscInt         *count;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(all, &count));
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    c->slot[i] = count[Number(c, &c->cell[i * c->dim])]++;
+    c->slots   = PetscMax(c->slots, c->slot[i] + 1);
+  }
+  PetscCall(PetscFree(count));
+  PetscCall(PetscMalloc1(all * c->slots, &c->owner));
+  for (PetscInt64 i = 0; i < all * c->slots; i++) c->owner[i] = -1;
+  for (PetscInt64 i = 0; i < s->particles; i++)
+    c->owner[(PetscInt64)Number(c, &c->cell[i * c->dim]) * c->slots + c->slot[i]] = i;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* alone: each particle by itself, wherever it is. */
+static PetscErrorCode Begin(MpmProbe *p, PetscBool alone, Colouring *c)
+{
+  const MpmStepper *s = p->stepper;
+
+  PetscFunctionBegin;
+  *c = (Colouring){.probe = p, .dim = alone ? 1 : s->dim};
+  MpmCheckInput(alone || s->place != MPM_NONE || s->cell,
+                "%s: it does not say where its particles are; needed: a field with \"place\": true, or \"cell\" in its "
+                "description",
+                s->where);
+  PetscCall(PetscMalloc2(s->particles * c->dim, &c->cell, s->particles, &c->slot));
+  if (alone) {
+    c->cells[0] = c->reach[0] = (PetscInt)s->particles;
+    c->cells[1] = c->cells[2] = 1;
+    for (PetscInt i = 0; i < s->particles; i++) c->cell[i] = i;
+  } else
+    Box(c);
+  PetscCall(Slots(c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode End(Colouring *c)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree2(c->cell, c->slot));
+  PetscCall(PetscFree(c->owner));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- reach ---- */
+
+/* The distance of two cells along a direction, the shorter way round a period. */
+static PetscInt Distance(const Colouring *c, PetscInt one, PetscInt other, PetscInt a)
+{
+  const PetscInt n = c->cells[a], d = PetscAbsInt(one - other);
+
+  return c->wraps[a] ? PetscMin(d, n - d) : d;
+}
+
+/* The particle that is nearest to the middle of the box, where the response has most room. */
+static PetscInt64 Central(const Colouring *c)
+{
+  const MpmStepper *s       = c->probe->stepper;
+  PetscInt64        central = 0;
+  PetscReal         nearest = PETSC_MAX_REAL;
+
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    PetscReal distance = 0;
+
+    for (PetscInt a = 0; a < c->dim; a++) distance += PetscSqr(c->cell[i * c->dim + a] - c->cells[a] / 2.0);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    central = i;
+  }
+  return central;
+}
+
+static PetscErrorCode Reach(Colouring *c)
+{
+  MpmProbe         *p       = c->probe;
+  const MpmStepper *s       = p->stepper;
+  const PetscInt64  central = Central(c);
+  PetscInt64       *unknown;
+  PetscReal        *amount, *response, largest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(s->width, &unknown, s->width, &amount, s->particles * s->width, &response));
+  for (PetscInt j = 0; j < s->width; j++) {
+    unknown[j] = central * s->width + j;
+    amount[j]  = p->size;
+  }
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, s->width, unknown, amount, response));
+  PetscCall(MpmStepperAgree(p->stepper));
+  for (PetscInt64 i = 0; i < s->particles * s->width; i++) largest = PetscMax(largest, PetscAbsReal(response[i]));
+  for (PetscInt64 i = 0; i < s->particles * s->width; i++) {
+    if (PetscAbsReal(response[i]) <= (p->single ? FELT_SINGLE : FELT) * largest) continue;
+    for (PetscInt a = 0; a < c->dim; a++)
+      c->reach[a] =
+          PetscMax(c->reach[a], Distance(c, c->cell[i / s->width * c->dim + a], c->cell[central * c->dim + a], a));
+  }
+  PetscCall(PetscFree3(unknown, amount, response));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Cells of a group are a stride apart. Around a period the cells that are left over have groups of their own. */
+static void Strides(Colouring *c, MpmProbeColours *colours)
+{
+  colours->colours = c->slots * c->probe->stepper->width;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    const PetscInt wish = 2 * c->reach[a] + 1 + FREE, n = c->cells[a];
+
+    if (c->wraps[a])
+      c->groups[a] = n < 2 * wish ? n : wish + n % wish;
+    else
+      c->groups[a] = PetscMin(wish, n);
+    c->stride[a]      = PetscMin(wish, n);
+    colours->reach[a] = c->reach[a];
+    colours->colours *= c->groups[a];
+  }
+}
+
+/* The group of a cell along a direction. */
+static PetscInt Group(const Colouring *c, PetscInt cell, PetscInt a)
+{
+  const PetscInt whole = c->cells[a] / c->stride[a] * c->stride[a];
+
+  if (c->groups[a] == c->cells[a]) return cell;
+  return cell < whole || !c->wraps[a] ? cell % c->stride[a] : c->stride[a] + cell - whole;
+}
+
+PetscErrorCode MpmProbeReach(MpmProbe *p, MpmProbeColours *colours)
+{
+  Colouring c;
+
+  PetscFunctionBegin;
+  *colours = (MpmProbeColours){.colours = 0};
+  PetscCall(Begin(p, PETSC_FALSE, &c));
+  PetscCall(Reach(&c));
+  Strides(&c, colours);
+  colours->everywhere = PETSC_TRUE;
+  for (PetscInt a = 0; a < c.dim; a++)
+    if (2 * c.reach[a] + 1 < c.cells[a]) colours->everywhere = PETSC_FALSE;
+  PetscCall(End(&c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- matrices ---- */
 
 /* The rows of a rank are whole particles. */
 static PetscInt LocalRows(const MpmStepper *s, PetscInt width)
@@ -26,8 +233,6 @@ PetscErrorCode MpmProbeNewMatrix(const MpmStepper *s, PetscInt width, PetscInt m
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- columns ---- */
-
 PetscErrorCode MpmProbeFillDiagonal(Mat A)
 {
   PetscInt first, last;
@@ -43,48 +248,143 @@ PetscErrorCode MpmProbeFillDiagonal(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- columns ---- */
+
+/* The perturbed particle of a colour that is within reach of a particle, or -1. */
+static PetscInt64 Source(const Colouring *c, const PetscInt group[], PetscInt slot, PetscInt64 i)
+{
+  const PetscInt *at                = &c->cell[i * c->dim];
+  PetscInt        cell[MPM_MAX_DIM] = {0};
+
+  for (PetscInt a = 0; a < c->dim; a++) {
+    const PetscInt n     = c->cells[a];
+    PetscBool      found = PETSC_FALSE;
+
+    if (c->groups[a] == n) { /* a group is a cell */
+      cell[a] = group[a];
+      found   = Distance(c, cell[a], at[a], a) <= c->reach[a] ? PETSC_TRUE : PETSC_FALSE;
+    }
+    for (PetscInt d = -c->reach[a]; d <= c->reach[a] && !found && c->groups[a] != n; d++) {
+      cell[a] = c->wraps[a] ? ((at[a] + d) % n + n) % n : at[a] + d;
+      if (cell[a] >= 0 && cell[a] < n && Group(c, cell[a], a) == group[a]) found = PETSC_TRUE;
+    }
+    if (!found) return -1;
+  }
+  return c->owner[(PetscInt64)Number(c, cell) * c->slots + slot];
+}
+
+/* Splits the number of a colour into the groups of cells, the slot in a cell, and the number of a particle. */
+static void SplitColour(const Colouring *c, PetscInt colour, PetscInt group[], PetscInt *slot, PetscInt *number)
+{
+  *number = colour % c->probe->stepper->width;
+  colour /= c->probe->stepper->width;
+  *slot = colour % c->slots;
+  colour /= c->slots;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    group[a] = colour % c->groups[a];
+    colour /= c->groups[a];
+  }
+}
+
+/* by: for each particle what its unknown of a colour was perturbed by. seen: the largest leak, and response. */
 typedef struct {
-  const MpmProbe *probe;
-  PetscReal       size;
-  PetscInt       *rows;
-  Mat             A;
+  Colouring *colouring;
+  PetscReal  size, *by, seen[2];
+  Mat        A;
 } Columns;
 
-static PetscErrorCode Perturb(void *context, PetscInt j, MpmPerturbation *d)
+static PetscErrorCode Perturb(void *context, PetscInt colour, MpmPerturbation *d)
 {
-  const Columns *c = context;
+  const Columns    *columns = context;
+  const Colouring  *c       = columns->colouring;
+  const MpmStepper *s       = c->probe->stepper;
+  PetscInt          group[MPM_MAX_DIM], slot, number;
 
   PetscFunctionBegin;
-  if (MpmProbeIsApart(c->probe, j % c->probe->stepper->width)) PetscFunctionReturn(PETSC_SUCCESS);
-  d->unknown[0]     = j;
-  d->amount[d->n++] = c->size;
+  SplitColour(c, colour, group, &slot, &number);
+  for (PetscInt64 i = 0; i < s->particles && !MpmProbeIsApart(c->probe, number); i++) {
+    PetscBool in = c->slot[i] == slot ? PETSC_TRUE : PETSC_FALSE;
+
+    for (PetscInt a = 0; a < c->dim && in; a++)
+      if (Group(c, c->cell[i * c->dim + a], a) != group[a]) in = PETSC_FALSE;
+    if (!in) continue;
+    d->unknown[d->n]  = i * s->width + number;
+    d->amount[d->n++] = columns->size;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Take(void *context, PetscInt j, const MpmPerturbation *d)
+static PetscErrorCode Take(void *context, PetscInt colour, const MpmPerturbation *d)
 {
-  const Columns *c = context;
-  const PetscInt n = (PetscInt)c->probe->stepper->particles * c->probe->stepper->width;
+  Columns          *columns = context;
+  const Colouring  *c       = columns->colouring;
+  const MpmStepper *s       = c->probe->stepper;
+  PetscInt          group[MPM_MAX_DIM], slot, number;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < n; i++) d->response[i] /= d->amount[0];
-  PetscCall(MatSetValues(c->A, n, c->rows, 1, &j, d->response, ADD_VALUES));
+  SplitColour(c, colour, group, &slot, &number);
+  for (PetscInt64 k = 0; k < d->n; k++) columns->by[d->unknown[k] / s->width] = d->amount[k];
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    const PetscInt64 source = Source(c, group, slot, i);
+
+    for (PetscInt j = 0; j < s->width; j++) {
+      const PetscReal felt = d->response[i * s->width + j];
+      const PetscInt  row = (PetscInt)(i * s->width + j), column = (PetscInt)(source * s->width + number);
+
+      columns->seen[1] = PetscMax(columns->seen[1], PetscAbsReal(felt));
+      if (source < 0)
+        columns->seen[0] = PetscMax(columns->seen[0], PetscAbsReal(felt));
+      else if (felt != 0)
+        PetscCall(MatSetValue(columns->A, row, column, felt / columns->by[source], ADD_VALUES));
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmProbeColumns(MpmProbe *p, PetscReal size, Mat *A)
+static PetscErrorCode Probe(Colouring *c, PetscReal size, MpmProbeColours *colours, Mat A)
 {
-  const PetscInt n = (PetscInt)p->stepper->particles * p->stepper->width;
-  Columns        c = {.probe = p, .size = size};
+  const MpmStepper *s       = c->probe->stepper;
+  Columns           columns = {.colouring = c, .size = size, .A = A};
 
   PetscFunctionBegin;
-  PetscCall(MpmProbeNewMatrix(p->stepper, p->stepper->width, n, A));
-  PetscCall(PetscMalloc1(n, &c.rows));
-  for (PetscInt i = 0; i < n; i++) c.rows[i] = i;
-  c.A = *A;
-  PetscCall(MpmProbeEach(p, n, 1, Perturb, Take, &c));
-  PetscCall(PetscFree(c.rows));
+  PetscCall(PetscMalloc1(s->particles, &columns.by));
+  PetscCall(MpmProbeEach(c->probe, colours->colours, s->particles, Perturb, Take, &columns));
+  PetscCall(PetscFree(columns.by));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, columns.seen, 2, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  colours->leaks = columns.seen[1] > 0 ? columns.seen[0] / columns.seen[1] : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, MpmProbeColours *colours, Mat *A)
+{
+  const MpmStepper *s     = p->stepper;
+  MpmProbeColours   each  = {.colours = 0};
+  PetscBool         grows = PETSC_TRUE;
+  Colouring         c;
+
+  PetscFunctionBegin;
+  *A = NULL;
+  PetscCall(Begin(p, colours ? PETSC_FALSE : PETSC_TRUE, &c));
+  if (colours) {
+    each = *colours;
+    PetscCall(Reach(&c));
+    for (PetscInt a = 0; a < c.dim; a++) c.reach[a] = PetscMax(c.reach[a], each.reach[a]);
+  }
+  while (grows) {
+    Strides(&c, &each);
+    PetscCall(MatDestroy(A));
+    PetscCall(MpmProbeNewMatrix(s, s->width, colours ? 0 : (PetscInt)s->particles * s->width, A));
+    PetscCall(Probe(&c, size, &each, *A));
+    grows = PETSC_FALSE;
+    for (PetscInt a = 0; a < c.dim; a++) {
+      if (each.leaks <= FELT || 2 * c.reach[a] + 1 >= c.cells[a]) continue;
+      c.reach[a]++;
+      grows = PETSC_TRUE;
+    }
+  }
   PetscCall(MpmProbeFillDiagonal(*A));
+  if (colours) *colours = each;
+  PetscCall(End(&c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -34,13 +34,14 @@ const char *const MpmProgramLimitNames[] = {"interior", "block", "lone_particle"
    polynomial - its operator, if that is known at all time steps
    wave       - phases of the waves whose growth is looked at; all: the largest of all waves is sought
    given      - numbers of a particle that nothing reads in the interior
+   place      - of a code in motion instead of polynomial: one for each place of the period
    unit       - what the progress line counts, with the number so far
 S*/
 typedef struct {
   MpmProgram         *program, part;
   MpmStepper          cut;
   PetscBool           is_part, known, all, *given;
-  MpmDtPolynomial     polynomial;
+  MpmDtPolynomial     polynomial, *place;
   PetscReal           wave[WAVES][MPM_MAX_DIM];
   PetscInt            waves;
   MpmCriticalProgram *critical;
@@ -50,69 +51,83 @@ typedef struct {
 /* ---- growth at a time step ---- */
 
 /* The largest growth of all waves, or of those that are known to matter. */
-static PetscErrorCode GrowthOfBlocks(Search *s, const MpmProgram *p, MpmBlocks *blocks, PetscReal *growth)
+static PetscErrorCode GrowthOfWaves(Search *s, const MpmSource *source, PetscReal *growth)
 {
   static const PetscInt phases[] = {32, 16, 8};
   PetscInt              each[MPM_MAX_DIM];
-  MpmSource             source;
   MpmSourceGrowth       at;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlocksSource(blocks, p->stepper->name, &source));
-  for (PetscInt a = 0; a < blocks->dim; a++) each[a] = phases[blocks->dim - 1];
+  for (PetscInt a = 0; a < source->dim; a++) each[a] = phases[source->dim - 1];
   *growth = 0;
   if (s->all) {
-    PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, each, s->critical->beta, &at));
+    PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, source, each, s->critical->beta, &at));
     *growth = at.growth;
   } else
     for (PetscInt i = 0; i < s->waves; i++) {
-      PetscCall(MpmSourceGrowthAt(&source, s->wave[i], &at));
+      PetscCall(MpmSourceGrowthAt(source, s->wave[i], &at));
       *growth = PetscMax(*growth, at.growth);
     }
-  PetscCall(MpmBlocksFree(blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From the polynomial, without a call. */
-static PetscErrorCode GrowthKnown(Search *s, PetscReal dt, PetscReal *growth)
+static PetscErrorCode GrowthOfBlocks(Search *s, const MpmBlocks *blocks, PetscReal *growth)
 {
-  const MpmDtPolynomial *f = &s->polynomial;
-  PetscReal              value[2];
-  MpmBlocks              blocks;
+  MpmSource source;
 
   PetscFunctionBegin;
-  if (f->A[0]) {
-    PetscCall(MpmDtPolynomialLargest(&s->polynomial, dt, value));
-    *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, f->program->stepper->steps);
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(MpmDtPolynomialBlocks(f, dt, &blocks));
-  PetscCall(GrowthOfBlocks(s, f->program, &blocks, growth));
+  PetscCall(MpmBlocksSource(blocks, s->program->stepper->name, &source));
+  PetscCall(GrowthOfWaves(s, &source, growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Growth - 1 at a time step. */
+/* Of the product of the steps of a period. */
+static PetscErrorCode GrowthMoving(Search *s, PetscReal dt, PetscReal *growth)
+{
+  MpmMotion     *m = s->critical->motion;
+  MpmBlocksSteps steps;
+  MpmSource      source;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < m->n; k++) {
+    PetscCall(MpmDtPolynomialAt(&s->place[k], dt, &m->probed[0][k]));
+    m->blocks[0][k] = m->probed[0][k].blocks;
+  }
+  PetscCall(MpmMotionSource(m, PETSC_FALSE, s->program->stepper->name, &steps, &source));
+  PetscCall(GrowthOfWaves(s, &source, growth));
+  PetscCall(MpmMotionForget(m));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Growth - 1 at a time step: from the polynomial, without a call, or from an operator that is probed. */
 static PetscErrorCode Excess(void *context, PetscReal dt, PetscReal *excess)
 {
-  Search     *s = context;
-  MpmProgram *p = s->is_part ? &s->part : s->program;
-  MpmBlocks   blocks;
-  PetscReal   growth;
+  Search     *s      = context;
+  MpmProgram *p      = s->is_part ? &s->part : s->program;
+  MpmProbed   probed = {.A = NULL};
+  PetscReal   growth, value[2];
 
   PetscFunctionBegin;
-  if (s->known) {
-    PetscCall(GrowthKnown(s, dt, &growth));
+  if (s->place) {
+    PetscCall(GrowthMoving(s, dt, &growth));
+  } else if (s->known && s->polynomial.at[0].A) {
+    PetscCall(MpmDtPolynomialLargest(&s->polynomial, dt, value));
+    growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, p->stepper->steps);
+  } else if (s->known) {
+    PetscCall(MpmDtPolynomialAt(&s->polynomial, dt, &probed));
+    PetscCall(GrowthOfBlocks(s, &probed.blocks, &growth));
   } else {
     PetscCall(MpmStepperSet(p->stepper, s->critical->name, dt));
     PetscCall(MpmProgramPrepare(p));
     if (p->kind == MPM_PROBE_BLOCH) {
-      PetscCall(MpmProgramBlocks(p, &blocks, NULL));
-      PetscCall(GrowthOfBlocks(s, p, &blocks, &growth));
+      PetscCall(MpmProgramOperator(p, &probed, NULL));
+      PetscCall(GrowthOfBlocks(s, &probed.blocks, &growth));
     } else
       PetscCall(MpmProgramGrowth(p, &growth));
     PetscCall(MpmProgramForget(p));
     s->critical->probes++;
   }
+  PetscCall(MpmProbedFree(&probed));
   *excess = growth - 1;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -183,7 +198,7 @@ static PetscErrorCode FindKnown(Search *s, PetscReal start, PetscInt below, Pets
     s->critical->probes += s->polynomial.n;
     if (!fits) break;
     s->known = PETSC_TRUE;
-    PetscCall(s->polynomial.A[0] ? Onset(s, start, below, limit) : OnsetOfWaves(s, start, below, limit));
+    PetscCall(s->polynomial.at[0].A ? Onset(s, start, below, limit) : OnsetOfWaves(s, start, below, limit));
     s->known = PETSC_FALSE;
     if (!(*limit > 0) || !isfinite(*limit)) break;
     if (*limit <= FARTHER * centre && *limit >= centre / FARTHER) {
@@ -193,6 +208,44 @@ static PetscErrorCode FindKnown(Search *s, PetscReal start, PetscInt below, Pets
     }
     centre = *limit;
   }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/*
+   Of a code in motion: a polynomial for each place of the period. A limit of 0 is one that they have: growth of ringing gets smaller
+   with the time step, and does not vanish.
+*/
+static PetscErrorCode FindMoving(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
+{
+  const MpmMotion *m      = s->critical->motion;
+  PetscReal        centre = start;
+  PetscBool        fits = PETSC_TRUE, near = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(m->n, &s->place));
+  for (int move = 0; move < MOST_MOVES && !near; move++) {
+    for (PetscInt k = 0; k < m->n; k++) {
+      PetscCall(MpmDtPolynomialDestroy(&s->place[k]));
+      s->place[k] = (MpmDtPolynomial){.name = s->critical->name, .motion = m, .step = k};
+      PetscCall(MpmDtPolynomialFind(s->program, centre, &s->place[k], &fits));
+      s->critical->probes += s->place[k].n;
+      MpmCheckInput(
+          fits,
+          "-drift: the step of the code is no polynomial of %s, so that a limit would need a probe of all places at "
+          "each time step; allowed: symbol -drift, at one time step",
+          s->critical->name);
+      if (k) MpmMotionJoin(&s->place[k].unread, &s->place[0].unread);
+    }
+    for (PetscInt k = 1; k < m->n; k++) {
+      PetscCall(PetscArraycpy(s->place[k].unread.apart, s->place[0].unread.apart, s->program->stepper->width));
+      s->place[k].unread.n = s->place[0].unread.n;
+    }
+    PetscCall(OnsetOfWaves(s, start, below, limit));
+    near   = !(*limit > 0) || !isfinite(*limit) || (*limit <= FARTHER * centre && *limit >= centre / FARTHER);
+    centre = *limit;
+  }
+  for (PetscInt k = 0; k < m->n; k++) PetscCall(MpmDtPolynomialDestroy(&s->place[k]));
+  PetscCall(PetscFree(s->place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -220,7 +273,9 @@ static PetscErrorCode JudgeAt(MpmProgram *p, PetscReal started, PetscReal dt, Mp
   PetscCall(MpmStepperSet(p->stepper, c->name, dt));
   PetscCall(MpmProgramPrepare(p));
   PetscCall(MpmRequestPhases(p->request, p->stepper->dim, phases));
-  if (p->kind == MPM_PROBE_BLOCH)
+  if (c->motion)
+    PetscCall(MpmMotionJudgeWaves(p, c->motion, phases, c->beta, f));
+  else if (p->kind == MPM_PROBE_BLOCH)
     PetscCall(MpmProgramJudgeWaves(p, phases, c->beta, f));
   else
     PetscCall(MpmProgramJudgeParticles(p, started, f, &c->carriers));
@@ -255,7 +310,7 @@ static PetscErrorCode LookAboveKnown(Search *s, PetscReal started, PetscReal lim
   MpmProgram         *p     = s->is_part ? &s->part : s->program;
   const MpmProbe     *alike = p->alike;
   MpmSpectrum        *spectrum;
-  Mat                 A;
+  MpmProbed           above;
 
   PetscFunctionBegin;
   if (!(limit > 0) || !isfinite(limit)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -268,13 +323,13 @@ static PetscErrorCode LookAboveKnown(Search *s, PetscReal started, PetscReal lim
     PetscCall(MpmCertifyStep(&p->probe, p->tolerance, s->polynomial.unread.apart, &p->certificates));
     PetscCall(MpmCertifyRepeat(&p->probe, s->polynomial.unread.apart, &p->certificates));
     if (!c->why) c->why = Fault(p);
-    PetscCall(MpmDtPolynomialMatrix(&s->polynomial, limit * (1 + BESIDE), &A));
-    PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, NULL, p->request, started, &spectrum));
+    PetscCall(MpmDtPolynomialAt(&s->polynomial, limit * (1 + BESIDE), &above));
+    PetscCall(MpmSpectrumOfMatrix(p->stepper->name, above.A, p->probe.steps, NULL, p->request, started, &spectrum));
     p->unread = s->polynomial.unread;
     PetscCall(MpmCarriersFind(p, spectrum, &c->carriers));
     p->unread = (MpmUnread){.n = 0};
     PetscCall(MpmSpectrumDestroy(&spectrum));
-    PetscCall(MatDestroy(&A));
+    PetscCall(MpmProbedFree(&above));
     PetscCall(MpmProgramForget(p));
   }
   p->alike = alike;
@@ -439,6 +494,7 @@ static PetscInt64 Expected(const MpmProgram *p, const MpmCriticalProgram *c)
 {
   PetscInt64 calls = 2 * NODES * (PetscInt64)p->columns + 8 * (PetscInt64)p->columns + 250, block = p->lattice.sites;
 
+  if (c->motion) return c->motion->n * (2 * NODES * (PetscInt64)p->columns + 7 * 40) + calls;
   if (p->kind != MPM_PROBE_BLOCH || !p->stepper->any_count) return calls;
   for (PetscInt a = 0; a < p->stepper->dim; a++) block *= c->block;
   calls += 2 * NODES * block * p->stepper->width + 150;
@@ -468,7 +524,15 @@ PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
   MpmCheckInput(c->given > 0, "-program_dt %s: it is %g in the code; allowed: a time step above 0", c->name,
                 (double)c->given);
   PetscCall(MpmProgramPrepare(p));
-  if (p->kind == MPM_PROBE_BLOCH && stepper->any_count) c->block = BlockOf(p);
+  if (p->request->program_drift[0].den) {
+    MpmCheckInput(
+        p->kind == MPM_PROBE_BLOCH,
+        "-drift: its cells are not alike (%s), so that it has no waves; allowed: spectrum -drift, at one time step",
+        p->why);
+    PetscCall(PetscNew(&c->motion));
+    PetscCall(MpmMotionBegin(p, c->motion));
+  } else if (p->kind == MPM_PROBE_BLOCH && stepper->any_count)
+    c->block = BlockOf(p);
   c->expected = Expected(p, c);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -485,15 +549,24 @@ PetscErrorCode MpmCriticalProgramFind(MpmProgram *p, PetscReal started, MpmCriti
   PetscCall(MpmStepperExpect(p->stepper, s.unit, c->expected));
   PetscCall(MpmProgramForget(p));
   p->alike = &sizes;
-  PetscCall(FindLimit(&s, c->given, BELOW, limit));
+  PetscCall(c->motion ? FindMoving(&s, c->given, BELOW, limit) : FindLimit(&s, c->given, BELOW, limit));
   if (s.polynomial.n) PetscCall(PetscMalloc1(w, &s.given));
   if (s.given) PetscCall(PetscArraycpy(s.given, s.polynomial.unread.apart, w));
   Say(&s);
-  if (bloch && p->stepper->any_count) PetscCall(Parts(&s, started, isfinite(*limit) && *limit > 0 ? *limit : c->given));
+  if (bloch && p->stepper->any_count && !c->motion)
+    PetscCall(Parts(&s, started, isfinite(*limit) && *limit > 0 ? *limit : c->given));
   p->alike = NULL;
   PetscCall(Finish(&s, started, *limit));
   PetscCall(MpmDtPolynomialDestroy(&s.polynomial));
   PetscCall(PetscFree(s.given));
   PetscCall(MpmStepperForgetExpected(p->stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalProgramDestroy(MpmCriticalProgram *c)
+{
+  PetscFunctionBegin;
+  if (c->motion) PetscCall(MpmMotionDestroy(c->motion));
+  PetscCall(PetscFree(c->motion));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,8 +1,85 @@
-/* From a prepared program to a verdict: its operator is probed with both sizes of perturbations. */
+/* From a prepared program to a verdict: its operator is probed with both sizes of perturbations. Then what its mode and a switch show. */
 #include "probe/program_growth.h"
 #include "analysis/worst_phase.h"
+#include "base/hash.h"
 #include "linalg/dense.h"
 #include <math.h>
+#include <stdlib.h>
+
+#define NEARLY_ALL 0.9
+#define FEW 0.1     /* the part of the particles */
+#define BESIDE 1e-2 /* in scales: how far a field is changed; certificates perturb by up to a tenth of it */
+#define BESIDE_SINGLE 0.1
+#define SIDE 1e-3       /* of that: how far the sides of few switches are away, so that stresses there do not matter */
+#define MOST_ORDER 2048 /* of an operator whose sides are looked at */
+
+/* ---- carriers ---- */
+
+typedef struct {
+  PetscReal  share;
+  PetscInt64 particle;
+} Share;
+
+static int ByShare(const void *one, const void *other)
+{
+  const Share *p = one, *q = other;
+
+  if (p->share != q->share) return p->share > q->share ? -1 : 1;
+  return p->particle < q->particle ? -1 : p->particle > q->particle;
+}
+
+/* Adds the squares of a vector's numbers to the shares of their particles, of which each has n numbers. */
+static PetscErrorCode AddSquares(Vec x, PetscInt n, PetscReal squares[])
+{
+  const PetscScalar *value;
+  PetscInt           first, last;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetOwnershipRange(x, &first, &last));
+  PetscCall(VecGetArrayRead(x, &value));
+  for (PetscInt i = first; i < last; i++) squares[i / n] += PetscSqr(value[i - first]);
+  PetscCall(VecRestoreArrayRead(x, &value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCarriersFind(const MpmProgram *p, const MpmSpectrum *s, MpmCarriers *c)
+{
+  const PetscInt64 particles = p->stepper->particles;
+  PetscReal       *squares, all = 0, sum = 0;
+  Share           *shares;
+  Vec              x[2];
+
+  PetscFunctionBegin;
+  *c = (MpmCarriers){.n = 0, .all = particles, .dim = p->stepper->place == MPM_NONE ? 0 : p->stepper->dim};
+  if (!s->eigen->n) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscCalloc1(particles, &squares));
+  PetscCall(PetscMalloc1(particles, &shares));
+  for (int part = 0; part < 2; part++) PetscCall(MatCreateVecs(s->op->A, &x[part], NULL));
+  PetscCall(MpmEigenVector(s->eigen, 0, x[0], x[1]));
+  for (int part = 0; part < 2; part++) {
+    if (s->op->unit) PetscCall(VecPointwiseDivide(x[part], x[part], s->op->unit));
+    PetscCall(AddSquares(x[part], p->unread.n, squares));
+    PetscCall(VecDestroy(&x[part]));
+  }
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, squares, (PetscMPIInt)particles, MPIU_REAL, MPI_SUM, PETSC_COMM_WORLD));
+  for (PetscInt64 i = 0; i < particles; i++) {
+    shares[i] = (Share){.share = squares[i], .particle = i};
+    all += squares[i];
+  }
+  qsort(shares, (size_t)particles, sizeof *shares, ByShare);
+  c->n = (PetscInt)PetscMin(MPM_CARRIERS, particles);
+  for (PetscInt i = 0; i < c->n; i++) {
+    c->particle[i] = shares[i].particle;
+    c->share[i]    = shares[i].share / all;
+    if (c->dim) PetscCall(PetscArraycpy(c->place[i], MpmStepperPlace(p->stepper, c->particle[i]), c->dim));
+  }
+  while (c->most < particles && sum < NEARLY_ALL * all) sum += shares[c->most++].share;
+  PetscCall(PetscFree(squares));
+  PetscCall(PetscFree(shares));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- verdicts ---- */
 
 /* Without all eigenvalues those of a shell or a lattice near the spectrum's first mode are found on the space of that mode. */
 static PetscErrorCode SolveOther(const MpmProgram *p, const MpmSpectrum *s, Mat B, MpmEigen **eigen)
@@ -57,66 +134,140 @@ PetscErrorCode MpmProgramJudgeParticles(MpmProgram *p, PetscReal started, MpmFin
 
 PetscErrorCode MpmProgramJudgeWaves(MpmProgram *p, const PetscInt phases[], PetscReal beta[], MpmFinding *f)
 {
-  MpmBlocks       one, two;
+  MpmProbed       one, two;
   MpmSource       source;
   MpmSourceGrowth at, other;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgramBlocks(p, &one, &two));
-  PetscCall(MpmBlocksSource(&one, p->stepper->name, &source));
+  PetscCall(MpmProgramOperator(p, &one, &two));
+  PetscCall(MpmBlocksSource(&one.blocks, p->stepper->name, &source));
   PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, phases, beta, &at));
-  PetscCall(MpmBlocksSource(&two, p->stepper->name, &source));
+  PetscCall(MpmBlocksSource(&two.blocks, p->stepper->name, &source));
   PetscCall(MpmSourceGrowthAt(&source, beta, &other));
   *f = (MpmFinding){.growth = at.growth, .tolerance = p->tolerance};
   (void)snprintf(f->evidence, sizeof f->evidence, "%s", "the symbol of the interior, sought over all waves");
   PetscCall(MpmProgramJudge(p, other.growth, at.condition, f));
-  PetscCall(MpmBlocksFree(&one));
-  PetscCall(MpmBlocksFree(&two));
+  PetscCall(MpmProbedFree(&one));
+  PetscCall(MpmProbedFree(&two));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode GrowthOfMatrix(MpmProgram *p, PetscReal *growth)
+static PetscErrorCode LargestOfMatrix(Mat A, PetscReal value[2])
 {
   const PetscReal target[2] = {0, 0};
-  PetscReal       value[2];
   PetscInt        order;
   MpmEigen       *eigen;
-  Mat             A;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgramMatrix(p, &A, NULL));
   PetscCall(MatGetSize(A, &order, NULL));
   if (order <= MPM_DENSE_MANY) {
     PetscCall(MpmDenseLargest(A, value));
-  } else {
-    PetscCall(MpmEigenSolve(A, NULL, MpmEigenChoose(order, PETSC_FALSE), target, &eigen));
-    value[0] = eigen->n ? eigen->re[0] : NAN;
-    value[1] = eigen->n ? eigen->im[0] : NAN;
-    PetscCall(MpmEigenDestroy(&eigen));
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
-  *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, p->probe.steps);
-  PetscCall(MatDestroy(&A));
+  PetscCall(MpmEigenSolve(A, NULL, MpmEigenChoose(order, PETSC_FALSE), target, &eigen));
+  value[0] = eigen->n ? eigen->re[0] : NAN;
+  value[1] = eigen->n ? eigen->im[0] : NAN;
+  PetscCall(MpmEigenDestroy(&eigen));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmProgramGrowth(MpmProgram *p, PetscReal *growth)
 {
   PetscInt        phases[MPM_MAX_DIM];
-  PetscReal       beta[MPM_MAX_DIM];
-  MpmBlocks       blocks;
+  PetscReal       beta[MPM_MAX_DIM], value[2];
+  MpmProbed       probed;
   MpmSource       source;
   MpmSourceGrowth at;
 
   PetscFunctionBegin;
-  if (p->kind != MPM_PROBE_BLOCH) {
-    PetscCall(GrowthOfMatrix(p, growth));
-    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmProgramOperator(p, &probed, NULL));
+  if (probed.A) {
+    PetscCall(LargestOfMatrix(probed.A, value));
+    *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, p->probe.steps);
+  } else {
+    PetscCall(MpmBlocksSource(&probed.blocks, p->stepper->name, &source));
+    PetscCall(MpmRequestPhases(p->request, p->stepper->dim, phases));
+    PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, phases, beta, &at));
+    *growth = at.growth;
   }
-  PetscCall(MpmProgramBlocks(p, &blocks, NULL));
-  PetscCall(MpmBlocksSource(&blocks, p->stepper->name, &source));
-  PetscCall(MpmRequestPhases(p->request, p->stepper->dim, phases));
-  PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, phases, beta, &at));
-  *growth = at.growth;
-  PetscCall(MpmBlocksFree(&blocks));
+  PetscCall(MpmProbedFree(&probed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- both sides of a switch, and states beside it ---- */
+
+static PetscReal Beside(const MpmProgram *p)
+{
+  return p->probe.single ? BESIDE_SINGLE : BESIDE;
+}
+
+/* Growth, of what is not set apart, at a random state beside the base state, or at its opposite. */
+static PetscErrorCode SideOf(MpmProgram *p, const PetscReal base[], PetscReal by, PetscReal *growth)
+{
+  MpmStepper *s = p->stepper;
+
+  PetscFunctionBegin;
+  for (PetscInt64 i = 0; i < s->particles * s->width; i++)
+    s->base[i] =
+        base[i] + (p->unread.apart[i % s->width] ? 0 : by * p->probe.scale[i % s->width] * (2 * MpmHash(95, i) - 1));
+  PetscCall(MpmProgramRebase(p, PetscAbsReal(by) / 100));
+  PetscCall(MpmProgramGrowth(p, growth));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A field which, changed at all particles, leaves the switch; one after another is tried. */
+static PetscErrorCode TryFields(MpmProgram *p, const PetscReal base[], MpmKinks *k)
+{
+  MpmStepper *s = p->stepper;
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < s->nfields && !k->field; f++)
+    for (int sign = 1; sign >= -1 && !k->field && f != s->place; sign -= 2) {
+      const MpmStepperField *field = &s->fields[f];
+      MpmCertificates        c;
+
+      k->amount = sign * Beside(p) * field->scale;
+      for (PetscInt64 i = 0; i < s->particles * s->width; i++) {
+        const PetscInt number = (PetscInt)(i % s->width) - field->first;
+
+        s->base[i] = base[i] + (number >= 0 && number < field->size ? k->amount : 0);
+      }
+      PetscCall(MpmProgramRebase(p, Beside(p) / 1000));
+      PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &c));
+      if (MpmCertificatesFault(&c) != MPM_CERTIFICATES) continue;
+      k->field = field->name;
+      PetscCall(MpmUnreadDestroy(&p->unread));
+      PetscCall(MpmProgramGrowth(p, &k->growth[0]));
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmKinksFind(MpmProgram *p, MpmKinks *k)
+{
+  MpmStepper      *s = p->stepper;
+  const PetscInt64 n = s->particles * s->width;
+  PetscReal       *base;
+  MpmUnread        apart;
+
+  PetscFunctionBegin;
+  *k     = (MpmKinks){.particles = p->certificates.kinked, .all = s->particles, .growth = {NAN, NAN}};
+  k->few = k->particles <= PetscMax(1, FEW * (PetscReal)s->particles) ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PetscMalloc1(n, &base));
+  PetscCall(PetscArraycpy(base, s->base, n));
+  if (!k->few) {
+    PetscCall(TryFields(p, base, k));
+  } else if (n <= MOST_ORDER) {
+    apart     = p->unread;
+    p->unread = (MpmUnread){.n = 0};
+    PetscCall(MpmProgramForget(p));
+    p->whole = PETSC_TRUE;
+    PetscCall(MpmProgramPrepare(p));
+    p->unread = apart;
+    for (int side = 0; side < 2; side++)
+      PetscCall(SideOf(p, base, (side ? -1 : 1) * (p->probe.single ? 1 : SIDE) * Beside(p), &k->growth[side]));
+    p->whole = PETSC_FALSE;
+  }
+  PetscCall(PetscArraycpy(s->base, base, n));
+  PetscCall(PetscFree(base));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -2,7 +2,6 @@
 #pragma once
 #include "probe/compare_program.h"
 #include "probe/critical_program.h"
-#include "probe/kinks.h"
 #include "probe/motion.h"
 #include "probe/program_run.h"
 #include "report/report.h"
