@@ -218,17 +218,12 @@ static PetscErrorCode Additivity(MpmProbe *p, PetscReal size, MpmCertificates *c
 {
   const PetscInt64 n = p->stepper->particles * p->stepper->width;
   PetscReal       *amount[3], *response[3], largest = 0;
-  PetscInt64      *unknown;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(n, &unknown));
   for (int k = 0; k < 3; k++) PetscCall(PetscMalloc2(n, &amount[k], n, &response[k]));
   for (int k = 0; k < 2; k++) PetscCall(MpmProbeRandom(p, 21 + k, size, NULL, amount[k], response[k]));
-  for (PetscInt64 i = 0; i < n; i++) {
-    unknown[i]   = i;
-    amount[2][i] = size * (amount[0][i] + amount[1][i]);
-  }
-  PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, unknown, amount[2], response[2]));
+  for (PetscInt64 i = 0; i < n; i++) amount[2][i] = size * (amount[0][i] + amount[1][i]);
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, NULL, amount[2], response[2]));
   for (PetscInt64 i = 0; i < n; i++) {
     response[2][i] = p->apart[i % p->stepper->width] ? 0 : response[2][i] / size;
     largest        = PetscMax(largest, PetscAbsReal(response[2][i]));
@@ -237,7 +232,6 @@ static PetscErrorCode Additivity(MpmProbe *p, PetscReal size, MpmCertificates *c
   for (PetscInt64 i = 0; i < n && largest > 0; i++)
     Most(c, MPM_CERTIFY_ADDITIVITY, i, PetscAbsReal(response[2][i] - response[0][i] - response[1][i]) / largest);
   for (int k = 0; k < 3; k++) PetscCall(PetscFree2(amount[k], response[k]));
-  PetscCall(PetscFree(unknown));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -260,21 +254,15 @@ static PetscErrorCode OneSided(MpmProbe *p, PetscReal size, MpmCertificates *c)
 {
   const PetscInt64 n = p->stepper->particles * p->stepper->width;
   PetscReal       *amount, *forward, *central, *kink, largest = 0;
-  PetscInt64      *unknown;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(n, &unknown));
-  PetscCall(PetscMalloc4(n, &amount, n, &forward, n, &central, n, &kink));
-  for (PetscInt64 i = 0; i < n; i++) {
-    unknown[i] = i;
-    kink[i]    = 0;
-  }
+  PetscCall(PetscCalloc4(n, &amount, n, &forward, n, &central, n, &kink));
   for (int half = 0; half < 2; half++) {
     const PetscReal by = half ? size / 2 : size;
 
     PetscCall(MpmProbeRandom(p, 31, by, NULL, amount, central));
     for (PetscInt64 i = 0; i < n; i++) amount[i] *= by;
-    PetscCall(MpmProbeRespond(p, PETSC_TRUE, n, unknown, amount, forward));
+    PetscCall(MpmProbeRespond(p, PETSC_TRUE, n, NULL, amount, forward));
     for (PetscInt64 i = 0; i < n; i++) {
       if (p->apart[i % p->stepper->width]) continue;
       kink[i] += (half ? 2 : -1) * (forward[i] / by - central[i]);
@@ -291,7 +279,6 @@ static PetscErrorCode OneSided(MpmProbe *p, PetscReal size, MpmCertificates *c)
     c->kinked++;
   }
   PetscCall(PetscFree4(amount, forward, central, kink));
-  PetscCall(PetscFree(unknown));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

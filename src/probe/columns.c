@@ -1,27 +1,21 @@
 /*
-   The columns of an operator. With places, cells are numbered along each direction, and cells whose numbers are equal modulo a
-   stride have one colour. The stride leaves free cells between what two particles of a colour reach. What arrives there shows
-   that the reach was taken too short. Without places each particle is a cell of its own, which reaches all others.
+   The columns of an operator: particles of one colour of <mpmstab_scales.h> are perturbed together. Cells are left free between what
+   two of them reach: what arrives there shows that the reach was taken too short. Without places each particle has a colour of
+   its own.
 */
 #include "probe/columns.h"
 #include "base/hash.h"
 #include <mpmstab/errors.h>
-#include <math.h>
+#include <mpmstab_scales.h>
 
-#define FREE 1     /* cells between the reaches of two particles of a colour: what is felt farther is felt there, too */
+#define BETWEEN 1  /* cells between the reaches of two particles of a colour: what is felt farther is felt there, too */
 #define FELT 1e-14 /* a response below this, of the largest, is none */
 #define FELT_SINGLE 0.0 /* floats far away do not change at all */
 #define VECTORS 4       /* random ones, for a norm */
 
-/* Cells of particles, particles of cells, and the colours of both. */
 typedef struct {
-  MpmProbe   *probe;
-  PetscBool   wraps[MPM_MAX_DIM];
-  PetscInt    dim, first[MPM_MAX_DIM], cells[MPM_MAX_DIM], stride[MPM_MAX_DIM], groups[MPM_MAX_DIM], reach[MPM_MAX_DIM];
-  PetscInt   *cell; /* of each particle, dim numbers */
-  PetscInt   *slot; /* the number of a particle among those of its cell */
-  PetscInt    slots;
-  PetscInt64 *owner; /* the particle of slot 0 .. slots - 1 of each cell, or -1 */
+  MpmProbe       *probe;
+  mpmstab_colours at;
 } Colouring;
 
 static PetscInt CellOf(const MpmStepper *s, PetscInt64 i, PetscInt a)
@@ -35,53 +29,17 @@ static void Box(Colouring *c)
 {
   const MpmStepper *s = c->probe->stepper;
 
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) c->cells[a] = 1;
-  for (PetscInt a = 0; a < c->dim; a++) {
+  for (PetscInt a = 0; a < s->dim; a++) {
     PetscInt least = CellOf(s, 0, a), most = least;
 
     for (PetscInt64 i = 0; i < s->particles; i++) {
       least = PetscMin(least, CellOf(s, i, a));
       most  = PetscMax(most, CellOf(s, i, a));
     }
-    c->first[a] = least;
-    c->wraps[a] = s->period[a] > 0 ? PETSC_TRUE : PETSC_FALSE;
-    c->cells[a] = c->wraps[a] ? (PetscInt)ceil(s->period[a] / s->cell_width - 1e-6) : most - least + 1;
+    c->at.wraps[a] = s->period[a] > 0;
+    c->at.bins[a]  = c->at.wraps[a] ? (long)ceil(s->period[a] / s->cell_width - 1e-6) : most - least + 1;
+    for (PetscInt64 i = 0; i < s->particles; i++) c->at.bin[3 * i + a] = (CellOf(s, i, a) - least) % c->at.bins[a];
   }
-  for (PetscInt64 i = 0; i < s->particles; i++) {
-    for (PetscInt a = 0; a < c->dim; a++) {
-      const PetscInt at = CellOf(s, i, a) - c->first[a];
-
-      c->cell[i * c->dim + a] = (at % c->cells[a] + c->cells[a]) % c->cells[a];
-    }
-  }
-}
-
-static PetscInt Number(const Colouring *c, const PetscInt cell[])
-{
-  PetscInt number = 0;
-
-  for (PetscInt a = c->dim - 1; a >= 0; a--) number = number * c->cells[a] + cell[a];
-  return number;
-}
-
-static PetscErrorCode Slots(Colouring *c)
-{
-  const MpmStepper *s   = c->probe->stepper;
-  const PetscInt64  all = (PetscInt64)c->cells[0] * c->cells[1] * c->cells[2];
-  PetscInt         *count;
-
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc1(all, &count));
-  for (PetscInt64 i = 0; i < s->particles; i++) {
-    c->slot[i] = count[Number(c, &c->cell[i * c->dim])]++;
-    c->slots   = PetscMax(c->slots, c->slot[i] + 1);
-  }
-  PetscCall(PetscFree(count));
-  PetscCall(PetscMalloc1(all * c->slots, &c->owner));
-  for (PetscInt64 i = 0; i < all * c->slots; i++) c->owner[i] = -1;
-  for (PetscInt64 i = 0; i < s->particles; i++)
-    c->owner[(PetscInt64)Number(c, &c->cell[i * c->dim]) * c->slots + c->slot[i]] = i;
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* alone: each particle by itself, wherever it is. */
@@ -90,39 +48,28 @@ static PetscErrorCode Begin(MpmProbe *p, PetscBool alone, Colouring *c)
   const MpmStepper *s = p->stepper;
 
   PetscFunctionBegin;
-  *c = (Colouring){.probe = p, .dim = alone ? 1 : s->dim};
+  *c = (Colouring){.probe = p,
+                   .at    = {.dim = (int)s->dim, .alone = alone, .between = BETWEEN, .particles = s->particles}};
   MpmCheckInput(alone || s->place != MPM_NONE || s->cell,
                 "%s: it does not say where its particles are; needed: a field with \"place\": true, or \"cell\" in its "
                 "description",
                 s->where);
-  PetscCall(PetscMalloc2(s->particles * c->dim, &c->cell, s->particles, &c->slot));
-  if (alone) {
-    c->cells[0] = c->reach[0] = (PetscInt)s->particles;
-    c->cells[1] = c->cells[2] = 1;
-    for (PetscInt i = 0; i < s->particles; i++) c->cell[i] = i;
-  } else
-    Box(c);
-  PetscCall(Slots(c));
+  PetscCall(PetscMalloc3(3 * s->particles, &c->at.bin, s->particles, &c->at.colour_of, s->particles, &c->at.owner));
+  if (alone) PetscFunctionReturn(PETSC_SUCCESS);
+  Box(c);
+  PetscCall(PetscMalloc1(mpmstab_cells_(&c->at), &c->at.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode End(Colouring *c)
 {
   PetscFunctionBegin;
-  PetscCall(PetscFree2(c->cell, c->slot));
-  PetscCall(PetscFree(c->owner));
+  PetscCall(PetscFree3(c->at.bin, c->at.colour_of, c->at.owner));
+  PetscCall(PetscFree(c->at.grid));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- reach ---- */
-
-/* The distance of two cells along a direction, the shorter way round a period. */
-static PetscInt Distance(const Colouring *c, PetscInt one, PetscInt other, PetscInt a)
-{
-  const PetscInt n = c->cells[a], d = PetscAbsInt(one - other);
-
-  return c->wraps[a] ? PetscMin(d, n - d) : d;
-}
 
 /* The particle that is nearest to the middle of the box, where the response has most room. */
 static PetscInt64 Central(const Colouring *c)
@@ -134,7 +81,8 @@ static PetscInt64 Central(const Colouring *c)
   for (PetscInt64 i = 0; i < s->particles; i++) {
     PetscReal distance = 0;
 
-    for (PetscInt a = 0; a < c->dim; a++) distance += PetscSqr(c->cell[i * c->dim + a] - c->cells[a] / 2.0);
+    for (PetscInt a = 0; a < s->dim; a++)
+      distance += PetscSqr((PetscReal)c->at.bin[3 * i + a] - (PetscReal)c->at.bins[a] / 2);
     if (distance >= nearest) continue;
     nearest = distance;
     central = i;
@@ -161,38 +109,20 @@ static PetscErrorCode Reach(Colouring *c)
   for (PetscInt64 i = 0; i < s->particles * s->width; i++) largest = PetscMax(largest, PetscAbsReal(response[i]));
   for (PetscInt64 i = 0; i < s->particles * s->width; i++) {
     if (PetscAbsReal(response[i]) <= (p->single ? FELT_SINGLE : FELT) * largest) continue;
-    for (PetscInt a = 0; a < c->dim; a++)
-      c->reach[a] =
-          PetscMax(c->reach[a], Distance(c, c->cell[i / s->width * c->dim + a], c->cell[central * c->dim + a], a));
+    for (int a = 0; a < s->dim; a++)
+      c->at.reach[a] = PetscMax(c->at.reach[a], mpmstab_cells_apart_(&c->at, (long)(i / s->width), (long)central, a));
   }
   PetscCall(PetscFree3(unknown, amount, response));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Cells of a group are a stride apart. Around a period the cells that are left over have groups of their own. */
-static void Strides(Colouring *c, MpmProbeColours *colours)
+static PetscErrorCode Colour(Colouring *c, MpmProbeColours *colours)
 {
-  colours->colours = c->slots * c->probe->stepper->width;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    const PetscInt wish = 2 * c->reach[a] + 1 + FREE, n = c->cells[a];
-
-    if (c->wraps[a])
-      c->groups[a] = n < 2 * wish ? n : wish + n % wish;
-    else
-      c->groups[a] = PetscMin(wish, n);
-    c->stride[a]      = PetscMin(wish, n);
-    colours->reach[a] = c->reach[a];
-    colours->colours *= c->groups[a];
-  }
-}
-
-/* The group of a cell along a direction. */
-static PetscInt Group(const Colouring *c, PetscInt cell, PetscInt a)
-{
-  const PetscInt whole = c->cells[a] / c->stride[a] * c->stride[a];
-
-  if (c->groups[a] == c->cells[a]) return cell;
-  return cell < whole || !c->wraps[a] ? cell % c->stride[a] : c->stride[a] + cell - whole;
+  PetscFunctionBegin;
+  PetscCheck(mpmstab_colour_(&c->at), PETSC_COMM_SELF, PETSC_ERR_MEM, "colours of particles");
+  colours->colours = (PetscInt)c->at.colours * c->probe->stepper->width;
+  for (PetscInt a = 0; a < c->at.dim; a++) colours->reach[a] = (PetscInt)c->at.reach[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmProbeReach(MpmProbe *p, MpmProbeColours *colours)
@@ -203,10 +133,10 @@ PetscErrorCode MpmProbeReach(MpmProbe *p, MpmProbeColours *colours)
   *colours = (MpmProbeColours){.colours = 0};
   PetscCall(Begin(p, PETSC_FALSE, &c));
   PetscCall(Reach(&c));
-  Strides(&c, colours);
+  PetscCall(Colour(&c, colours));
   colours->everywhere = PETSC_TRUE;
-  for (PetscInt a = 0; a < c.dim; a++)
-    if (2 * c.reach[a] + 1 < c.cells[a]) colours->everywhere = PETSC_FALSE;
+  for (PetscInt a = 0; a < c.at.dim; a++)
+    if (2 * c.at.reach[a] + 1 < c.at.bins[a]) colours->everywhere = PETSC_FALSE;
   PetscCall(End(&c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -250,42 +180,6 @@ PetscErrorCode MpmProbeFillDiagonal(Mat A)
 
 /* ---- columns ---- */
 
-/* The perturbed particle of a colour that is within reach of a particle, or -1. */
-static PetscInt64 Source(const Colouring *c, const PetscInt group[], PetscInt slot, PetscInt64 i)
-{
-  const PetscInt *at                = &c->cell[i * c->dim];
-  PetscInt        cell[MPM_MAX_DIM] = {0};
-
-  for (PetscInt a = 0; a < c->dim; a++) {
-    const PetscInt n     = c->cells[a];
-    PetscBool      found = PETSC_FALSE;
-
-    if (c->groups[a] == n) { /* a group is a cell */
-      cell[a] = group[a];
-      found   = Distance(c, cell[a], at[a], a) <= c->reach[a] ? PETSC_TRUE : PETSC_FALSE;
-    }
-    for (PetscInt d = -c->reach[a]; d <= c->reach[a] && !found && c->groups[a] != n; d++) {
-      cell[a] = c->wraps[a] ? ((at[a] + d) % n + n) % n : at[a] + d;
-      if (cell[a] >= 0 && cell[a] < n && Group(c, cell[a], a) == group[a]) found = PETSC_TRUE;
-    }
-    if (!found) return -1;
-  }
-  return c->owner[(PetscInt64)Number(c, cell) * c->slots + slot];
-}
-
-/* Splits the number of a colour into the groups of cells, the slot in a cell, and the number of a particle. */
-static void SplitColour(const Colouring *c, PetscInt colour, PetscInt group[], PetscInt *slot, PetscInt *number)
-{
-  *number = colour % c->probe->stepper->width;
-  colour /= c->probe->stepper->width;
-  *slot = colour % c->slots;
-  colour /= c->slots;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
-    group[a] = colour % c->groups[a];
-    colour /= c->groups[a];
-  }
-}
-
 /* by: for each particle what its unknown of a colour was perturbed by. seen: the largest leak, and response. */
 typedef struct {
   Colouring *colouring;
@@ -298,16 +192,11 @@ static PetscErrorCode Perturb(void *context, PetscInt colour, MpmPerturbation *d
   const Columns    *columns = context;
   const Colouring  *c       = columns->colouring;
   const MpmStepper *s       = c->probe->stepper;
-  PetscInt          group[MPM_MAX_DIM], slot, number;
+  const PetscInt    number  = colour % s->width;
 
   PetscFunctionBegin;
-  SplitColour(c, colour, group, &slot, &number);
   for (PetscInt64 i = 0; i < s->particles && !MpmProbeIsApart(c->probe, number); i++) {
-    PetscBool in = c->slot[i] == slot ? PETSC_TRUE : PETSC_FALSE;
-
-    for (PetscInt a = 0; a < c->dim && in; a++)
-      if (Group(c, c->cell[i * c->dim + a], a) != group[a]) in = PETSC_FALSE;
-    if (!in) continue;
+    if (c->at.colour_of[i] != colour / s->width) continue;
     d->unknown[d->n]  = i * s->width + number;
     d->amount[d->n++] = columns->size;
   }
@@ -317,19 +206,18 @@ static PetscErrorCode Perturb(void *context, PetscInt colour, MpmPerturbation *d
 static PetscErrorCode Take(void *context, PetscInt colour, const MpmPerturbation *d)
 {
   Columns          *columns = context;
-  const Colouring  *c       = columns->colouring;
+  Colouring        *c       = columns->colouring;
   const MpmStepper *s       = c->probe->stepper;
-  PetscInt          group[MPM_MAX_DIM], slot, number;
 
   PetscFunctionBegin;
-  SplitColour(c, colour, group, &slot, &number);
   for (PetscInt64 k = 0; k < d->n; k++) columns->by[d->unknown[k] / s->width] = d->amount[k];
+  mpmstab_own_(&c->at, colour / s->width);
   for (PetscInt64 i = 0; i < s->particles; i++) {
-    const PetscInt64 source = Source(c, group, slot, i);
+    const long source = c->at.owner[i];
 
     for (PetscInt j = 0; j < s->width; j++) {
       const PetscReal felt = d->response[i * s->width + j];
-      const PetscInt  row = (PetscInt)(i * s->width + j), column = (PetscInt)(source * s->width + number);
+      const PetscInt  row = (PetscInt)(i * s->width + j), column = (PetscInt)source * s->width + colour % s->width;
 
       columns->seen[1] = PetscMax(columns->seen[1], PetscAbsReal(felt));
       if (source < 0)
@@ -368,17 +256,17 @@ PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, MpmProbeColours *colo
   if (colours) {
     each = *colours;
     PetscCall(Reach(&c));
-    for (PetscInt a = 0; a < c.dim; a++) c.reach[a] = PetscMax(c.reach[a], each.reach[a]);
+    for (PetscInt a = 0; a < c.at.dim; a++) c.at.reach[a] = PetscMax(c.at.reach[a], each.reach[a]);
   }
   while (grows) {
-    Strides(&c, &each);
+    PetscCall(Colour(&c, &each));
     PetscCall(MatDestroy(A));
     PetscCall(MpmProbeNewMatrix(s, s->width, colours ? 0 : (PetscInt)s->particles * s->width, A));
     PetscCall(Probe(&c, size, &each, *A));
     grows = PETSC_FALSE;
-    for (PetscInt a = 0; a < c.dim; a++) {
-      if (each.leaks <= FELT || 2 * c.reach[a] + 1 >= c.cells[a]) continue;
-      c.reach[a]++;
+    for (PetscInt a = 0; a < c.at.dim && colours; a++) {
+      if (each.leaks <= FELT || 2 * c.at.reach[a] + 1 >= c.at.bins[a]) continue;
+      c.at.reach[a]++;
       grows = PETSC_TRUE;
     }
   }
@@ -390,13 +278,12 @@ PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, MpmProbeColours *colo
 
 /* ---- the shell ---- */
 
-/* all: the vector on every rank; unknown, amount, response: of a product. */
+/* all: the vector on every rank; amount, response: of a product. */
 typedef struct {
-  MpmProbe   *probe;
-  PetscReal   size, *amount, *response;
-  PetscInt64 *unknown;
-  Vec         all;
-  VecScatter  scatter;
+  MpmProbe  *probe;
+  PetscReal  size, *amount, *response;
+  Vec        all;
+  VecScatter scatter;
 } Shell;
 
 /* The response to size / largest(x) x, over that factor. */
@@ -406,12 +293,9 @@ static PetscErrorCode Respond(Shell *shell, const PetscScalar x[], PetscReal lar
   const PetscInt64  n = s->particles * s->width;
 
   PetscFunctionBegin;
-  for (PetscInt64 i = 0; i < n; i++) {
-    shell->unknown[i] = i;
-    shell->amount[i]  = shell->size / largest * x[i];
-  }
+  for (PetscInt64 i = 0; i < n; i++) shell->amount[i] = shell->size / largest * x[i];
   if (MpmRankOf(PETSC_COMM_WORLD) == 0)
-    PetscCall(MpmProbeRespond(shell->probe, PETSC_FALSE, n, shell->unknown, shell->amount, shell->response));
+    PetscCall(MpmProbeRespond(shell->probe, PETSC_FALSE, n, NULL, shell->amount, shell->response));
   PetscCall(MpmStepperAgree(shell->probe->stepper));
   PetscCallMPI(MPI_Bcast(shell->response, (PetscMPIInt)n, MPIU_REAL, 0, PETSC_COMM_WORLD));
   for (PetscInt64 i = 0; i < n; i++) shell->response[i] *= largest / shell->size;
@@ -488,7 +372,7 @@ static PetscErrorCode Destroy(Mat A)
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(A, &shell));
-  PetscCall(PetscFree3(shell->unknown, shell->amount, shell->response));
+  PetscCall(PetscFree2(shell->amount, shell->response));
   PetscCall(VecDestroy(&shell->all));
   PetscCall(VecScatterDestroy(&shell->scatter));
   PetscCall(PetscFree(shell));
@@ -506,7 +390,7 @@ PetscErrorCode MpmProbeShell(MpmProbe *p, PetscReal size, Mat *A)
   PetscCall(PetscNew(&shell));
   shell->probe = p;
   shell->size  = size;
-  PetscCall(PetscMalloc3(n, &shell->unknown, n, &shell->amount, n, &shell->response));
+  PetscCall(PetscMalloc2(n, &shell->amount, n, &shell->response));
   PetscCall(MatCreateShell(PETSC_COMM_WORLD, rows, rows, n, n, shell, A));
   PetscCall(MatShellSetOperation(*A, MATOP_MULT, (void (*)(void))Multiply));
   PetscCall(MatShellSetOperation(*A, MATOP_NORM, (void (*)(void))Norm));

@@ -31,17 +31,18 @@ const char *const MpmProgramLimitNames[] = {"interior", "block", "lone_particle"
    Search - whose growth is asked for. part: a free block or a lone particle, which has a base state of its own; NULL: the
    program itself.
 
-   polynomial - its operator, if that is known at all time steps
+   place      - its operator at all time steps, where known says so: at rest one polynomial, in motion one for each of n places of the
+                period
    wave       - phases of the waves whose growth is looked at; all: the largest of all waves is sought
    given      - numbers of a particle that nothing reads in the interior
-   place      - of a code in motion instead of polynomial: one for each place of the period
    unit       - what the progress line counts, with the number so far
 S*/
 typedef struct {
   MpmProgram         *program, part;
   MpmStepper          cut;
   PetscBool           is_part, known, all, *given;
-  MpmDtPolynomial     polynomial, *place;
+  MpmDtPolynomial    *place;
+  PetscInt            n;
   PetscReal           wave[WAVES][MPM_MAX_DIM];
   PetscInt            waves;
   MpmCriticalProgram *critical;
@@ -71,63 +72,59 @@ static PetscErrorCode GrowthOfWaves(Search *s, const MpmSource *source, PetscRea
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode GrowthOfBlocks(Search *s, const MpmBlocks *blocks, PetscReal *growth)
+/* Of the product of the steps of a period, without a call. */
+static PetscErrorCode GrowthKnown(Search *s, PetscReal dt, PetscReal *growth)
 {
-  MpmSource source;
-
-  PetscFunctionBegin;
-  PetscCall(MpmBlocksSource(blocks, s->program->stepper->name, &source));
-  PetscCall(GrowthOfWaves(s, &source, growth));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Of the product of the steps of a period. */
-static PetscErrorCode GrowthMoving(Search *s, PetscReal dt, PetscReal *growth)
-{
-  MpmMotion     *m = s->critical->motion;
-  MpmBlocksSteps steps;
+  MpmProbed     *probed;
+  MpmBlocks     *blocks;
+  MpmBlocksSteps steps = {.n = s->n};
   MpmSource      source;
+  PetscReal      value[2];
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < m->n; k++) {
-    PetscCall(MpmDtPolynomialAt(&s->place[k], dt, &m->probed[0][k]));
-    m->blocks[0][k] = m->probed[0][k].blocks;
+  if (s->place[0].at[0].A) {
+    PetscCall(MpmDtPolynomialLargest(&s->place[0], dt, value));
+    *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, s->program->stepper->steps);
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmMotionSource(m, PETSC_FALSE, s->program->stepper->name, &steps, &source));
+  PetscCall(PetscMalloc2(s->n, &probed, s->n, &blocks));
+  for (PetscInt k = 0; k < s->n; k++) {
+    PetscCall(MpmDtPolynomialAt(&s->place[k], dt, &probed[k]));
+    blocks[k] = probed[k].blocks;
+  }
+  steps.step = blocks;
+  PetscCall(MpmBlocksSourceOfSteps(&steps, s->program->stepper->name, &source));
   PetscCall(GrowthOfWaves(s, &source, growth));
-  PetscCall(MpmMotionForget(m));
+  for (PetscInt k = 0; k < s->n; k++) PetscCall(MpmProbedFree(&probed[k]));
+  PetscCall(PetscFree2(probed, blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Growth - 1 at a time step: from the polynomial, without a call, or from an operator that is probed. */
+/* Growth - 1 at a time step: from the polynomial, or from an operator that is probed. */
 static PetscErrorCode Excess(void *context, PetscReal dt, PetscReal *excess)
 {
-  Search     *s      = context;
-  MpmProgram *p      = s->is_part ? &s->part : s->program;
-  MpmProbed   probed = {.A = NULL};
-  PetscReal   growth, value[2];
+  Search     *s = context;
+  MpmProgram *p = s->is_part ? &s->part : s->program;
+  MpmProbed   probed;
+  MpmSource   source;
+  PetscReal   growth;
 
   PetscFunctionBegin;
-  if (s->place) {
-    PetscCall(GrowthMoving(s, dt, &growth));
-  } else if (s->known && s->polynomial.at[0].A) {
-    PetscCall(MpmDtPolynomialLargest(&s->polynomial, dt, value));
-    growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, p->stepper->steps);
-  } else if (s->known) {
-    PetscCall(MpmDtPolynomialAt(&s->polynomial, dt, &probed));
-    PetscCall(GrowthOfBlocks(s, &probed.blocks, &growth));
+  if (s->known) {
+    PetscCall(GrowthKnown(s, dt, &growth));
   } else {
     PetscCall(MpmStepperSet(p->stepper, s->critical->name, dt));
     PetscCall(MpmProgramPrepare(p));
     if (p->kind == MPM_PROBE_BLOCH) {
       PetscCall(MpmProgramOperator(p, &probed, NULL));
-      PetscCall(GrowthOfBlocks(s, &probed.blocks, &growth));
+      PetscCall(MpmBlocksSource(&probed.blocks, p->stepper->name, &source));
+      PetscCall(GrowthOfWaves(s, &source, &growth));
+      PetscCall(MpmProbedFree(&probed));
     } else
       PetscCall(MpmProgramGrowth(p, &growth));
     PetscCall(MpmProgramForget(p));
     s->critical->probes++;
   }
-  PetscCall(MpmProbedFree(&probed));
   *excess = growth - 1;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -178,74 +175,69 @@ static PetscErrorCode OnsetOfWaves(Search *s, PetscReal start, PetscInt below, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Forget(Search *s)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < s->n; k++) PetscCall(MpmDtPolynomialDestroy(&s->place[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Polynomials around a time step, one for each place; what nothing reads at any of them is set apart. */
+static PetscErrorCode FindPolynomials(Search *s, PetscReal centre, PetscBool *fits)
+{
+  MpmProgram *p   = s->is_part ? &s->part : s->program;
+  MpmUnread  *all = &s->place[0].unread;
+
+  PetscFunctionBegin;
+  PetscCall(Forget(s));
+  *fits = PETSC_TRUE;
+  for (PetscInt k = 0; k < s->n && *fits; k++) {
+    s->place[k] = (MpmDtPolynomial){.name   = s->critical->name,
+                                    .given  = s->is_part ? s->given : NULL,
+                                    .motion = s->is_part ? NULL : s->critical->motion,
+                                    .step   = k};
+    PetscCall(MpmDtPolynomialFind(p, centre, &s->place[k], fits));
+    s->critical->probes += s->place[k].n;
+    if (k && *fits) MpmMotionJoin(&s->place[k].unread, all);
+  }
+  for (PetscInt k = 1; k < s->n && *fits; k++) {
+    PetscCall(PetscArraycpy(s->place[k].unread.apart, all->apart, all->width));
+    s->place[k].unread.n = all->n;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    By the polynomial, which is probed around a time step that is near the limit, and must hold at the limit and at half of it. found:
-   whether it does.
+   whether it does. In motion a limit of 0 is one: growth of ringing gets smaller with the time step, and does not vanish.
 */
 static PetscErrorCode FindKnown(Search *s, PetscReal start, PetscInt below, PetscReal *limit, PetscBool *found)
 {
-  MpmProgram *p      = s->is_part ? &s->part : s->program;
-  PetscReal   centre = start;
+  PetscReal centre = start;
 
   PetscFunctionBegin;
   *found = PETSC_FALSE;
   for (int move = 0; move < MOST_MOVES; move++) {
     PetscBool fits;
 
-    PetscCall(MpmDtPolynomialDestroy(&s->polynomial));
-    s->polynomial = (MpmDtPolynomial){.name = s->critical->name, .given = s->is_part ? s->given : NULL};
-    PetscCall(MpmDtPolynomialFind(p, centre, &s->polynomial, &fits));
-    s->critical->probes += s->polynomial.n;
+    PetscCall(FindPolynomials(s, centre, &fits));
     if (!fits) break;
     s->known = PETSC_TRUE;
-    PetscCall(s->polynomial.at[0].A ? Onset(s, start, below, limit) : OnsetOfWaves(s, start, below, limit));
+    PetscCall(s->place[0].at[0].A ? Onset(s, start, below, limit) : OnsetOfWaves(s, start, below, limit));
     s->known = PETSC_FALSE;
-    if (!(*limit > 0) || !isfinite(*limit)) break;
+    if (!(*limit > 0) || !isfinite(*limit)) {
+      *found = s->critical->motion ? PETSC_TRUE : PETSC_FALSE;
+      break;
+    }
     if (*limit <= FARTHER * centre && *limit >= centre / FARTHER) {
-      PetscCall(MpmDtPolynomialHolds(&s->polynomial, *limit, found));
-      if (*found) PetscCall(MpmDtPolynomialHolds(&s->polynomial, *limit / 2, found));
+      *found = PETSC_TRUE;
+      for (PetscInt k = 0; k < s->n; k++)
+        for (int half = 1; half <= 2 && *found; half++)
+          PetscCall(MpmDtPolynomialHolds(&s->place[k], *limit / half, found));
       break;
     }
     centre = *limit;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   Of a code in motion: a polynomial for each place of the period. A limit of 0 is one that they have: growth of ringing gets smaller
-   with the time step, and does not vanish.
-*/
-static PetscErrorCode FindMoving(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
-{
-  const MpmMotion *m      = s->critical->motion;
-  PetscReal        centre = start;
-  PetscBool        fits = PETSC_TRUE, near = PETSC_FALSE;
-
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc1(m->n, &s->place));
-  for (int move = 0; move < MOST_MOVES && !near; move++) {
-    for (PetscInt k = 0; k < m->n; k++) {
-      PetscCall(MpmDtPolynomialDestroy(&s->place[k]));
-      s->place[k] = (MpmDtPolynomial){.name = s->critical->name, .motion = m, .step = k};
-      PetscCall(MpmDtPolynomialFind(s->program, centre, &s->place[k], &fits));
-      s->critical->probes += s->place[k].n;
-      MpmCheckInput(
-          fits,
-          "-drift: the step of the code is no polynomial of %s, so that a limit would need a probe of all places at "
-          "each time step; allowed: symbol -drift, at one time step",
-          s->critical->name);
-      if (k) MpmMotionJoin(&s->place[k].unread, &s->place[0].unread);
-    }
-    for (PetscInt k = 1; k < m->n; k++) {
-      PetscCall(PetscArraycpy(s->place[k].unread.apart, s->place[0].unread.apart, s->program->stepper->width));
-      s->place[k].unread.n = s->place[0].unread.n;
-    }
-    PetscCall(OnsetOfWaves(s, start, below, limit));
-    near   = !(*limit > 0) || !isfinite(*limit) || (*limit <= FARTHER * centre && *limit >= centre / FARTHER);
-    centre = *limit;
-  }
-  for (PetscInt k = 0; k < m->n; k++) PetscCall(MpmDtPolynomialDestroy(&s->place[k]));
-  PetscCall(PetscFree(s->place));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -255,8 +247,13 @@ static PetscErrorCode FindLimit(Search *s, PetscReal start, PetscInt below, Pets
 
   PetscFunctionBegin;
   PetscCall(FindKnown(s, start, below, limit, &found));
+  MpmCheckInput(
+      found || !s->critical->motion,
+      "-drift: the step of the code is no polynomial of %s, so that a limit would need a probe of all places at "
+      "each time step; allowed: symbol -drift, at one time step",
+      s->critical->name);
   if (!found) {
-    PetscCall(MpmDtPolynomialDestroy(&s->polynomial));
+    PetscCall(Forget(s));
     PetscCall(Onset(s, start, below, limit));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -315,17 +312,17 @@ static PetscErrorCode LookAboveKnown(Search *s, PetscReal started, PetscReal lim
   PetscFunctionBegin;
   if (!(limit > 0) || !isfinite(limit)) PetscFunctionReturn(PETSC_SUCCESS);
   p->alike = NULL;
-  if (!s->polynomial.n) {
+  if (!s->place[0].n) {
     PetscCall(LookAbove(p, started, limit, c));
   } else {
     PetscCall(MpmStepperSet(p->stepper, c->name, limit * (1 + BESIDE)));
     PetscCall(MpmProgramPrepare(p));
-    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, s->polynomial.unread.apart, &p->certificates));
-    PetscCall(MpmCertifyRepeat(&p->probe, s->polynomial.unread.apart, &p->certificates));
+    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, s->place[0].unread.apart, &p->certificates));
+    PetscCall(MpmCertifyRepeat(&p->probe, s->place[0].unread.apart, &p->certificates));
     if (!c->why) c->why = Fault(p);
-    PetscCall(MpmDtPolynomialAt(&s->polynomial, limit * (1 + BESIDE), &above));
+    PetscCall(MpmDtPolynomialAt(&s->place[0], limit * (1 + BESIDE), &above));
     PetscCall(MpmSpectrumOfMatrix(p->stepper->name, above.A, p->probe.steps, NULL, p->request, started, &spectrum));
-    p->unread = s->polynomial.unread;
+    p->unread = s->place[0].unread;
     PetscCall(MpmCarriersFind(p, spectrum, &c->carriers));
     p->unread = (MpmUnread){.n = 0};
     PetscCall(MpmSpectrumDestroy(&spectrum));
@@ -549,15 +546,18 @@ PetscErrorCode MpmCriticalProgramFind(MpmProgram *p, PetscReal started, MpmCriti
   PetscCall(MpmStepperExpect(p->stepper, s.unit, c->expected));
   PetscCall(MpmProgramForget(p));
   p->alike = &sizes;
-  PetscCall(c->motion ? FindMoving(&s, c->given, BELOW, limit) : FindLimit(&s, c->given, BELOW, limit));
-  if (s.polynomial.n) PetscCall(PetscMalloc1(w, &s.given));
-  if (s.given) PetscCall(PetscArraycpy(s.given, s.polynomial.unread.apart, w));
+  s.n      = c->motion ? c->motion->n : 1;
+  PetscCall(PetscCalloc1(s.n, &s.place));
+  PetscCall(FindLimit(&s, c->given, BELOW, limit));
+  if (s.place[0].n) PetscCall(PetscMalloc1(w, &s.given));
+  if (s.given) PetscCall(PetscArraycpy(s.given, s.place[0].unread.apart, w));
   Say(&s);
   if (bloch && p->stepper->any_count && !c->motion)
     PetscCall(Parts(&s, started, isfinite(*limit) && *limit > 0 ? *limit : c->given));
   p->alike = NULL;
   PetscCall(Finish(&s, started, *limit));
-  PetscCall(MpmDtPolynomialDestroy(&s.polynomial));
+  PetscCall(Forget(&s));
+  PetscCall(PetscFree(s.place));
   PetscCall(PetscFree(s.given));
   PetscCall(MpmStepperForgetExpected(p->stepper));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -129,36 +129,13 @@ static void Worse(const MpmCertificates *one, MpmCertificates *all)
     }
 }
 
-/* The certificates of a place, given what is set apart, of which its operators are freed. */
-static PetscErrorCode Certify(MpmProgram *p, MpmMotion *m, PetscInt n, MpmCertificates *all, PetscReal *farthest)
-{
-  MpmCertificates *c   = &p->certificates;
-  MpmProbed       *one = &m->probed[0][n], *other = &m->probed[1][n], kept[2];
-  PetscReal        reach;
-
-  PetscFunctionBegin;
-  PetscCall(MpmProgramProbe(p, p->probe.other, other, &reach));
-  *farthest = fmax(*farthest, reach);
-  PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, c));
-  PetscCall(MpmProbedReduce(one, &p->unread, &kept[0]));
-  PetscCall(MpmProbedReduce(other, &p->unread, &kept[1]));
-  PetscCall(MpmCertifyOperator(&p->probe, &p->lattice, one, &kept[0], &kept[1], p->unread.apart, c));
-  PetscCall(MpmProbedFree(one));
-  PetscCall(MpmProbedFree(other));
-  *one                        = kept[0];
-  *other                      = kept[1];
-  c->value[MPM_CERTIFY_REACH] = *farthest;
-  if (!n) *all = *c;
-  Worse(c, all);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmMotionFind(MpmProgram *p, MpmMotion *m)
 {
   MpmStepper     *s        = p->stepper;
   PetscReal       farthest = NAN, reach;
   MpmCertificates all;
   MpmUnread       unread;
+  MpmProbed       kept;
 
   PetscFunctionBegin;
   PetscCall(MpmUnreadDestroy(&p->unread)); /* of the start alone */
@@ -174,7 +151,14 @@ PetscErrorCode MpmMotionFind(MpmProgram *p, MpmMotion *m)
   }
   for (PetscInt k = 0; k < m->n; k++) {
     PetscCall(MpmMotionGoTo(p, m, k));
-    PetscCall(Certify(p, m, k, &all, &farthest));
+    PetscCall(MpmProbedReduce(&m->probed[0][k], &p->unread, &kept));
+    PetscCall(MpmProgramCertify(p, &m->probed[0][k], &kept, &m->probed[1][k], &reach));
+    PetscCall(MpmProbedFree(&m->probed[0][k]));
+    m->probed[0][k]                          = kept;
+    farthest                                 = fmax(farthest, reach);
+    p->certificates.value[MPM_CERTIFY_REACH] = farthest;
+    if (!k) all = p->certificates;
+    Worse(&p->certificates, &all);
     for (int size = 0; size < 2; size++) m->blocks[size][k] = m->probed[size][k].blocks;
   }
   p->certificates = all;

@@ -155,7 +155,7 @@ static PetscErrorCode Perturb(const MpmProbe *p, PetscBool forward, MpmPerturbat
   PetscCall(PetscArraycpy(above, s->base, all));
   if (!forward) PetscCall(PetscArraycpy(below, s->base, all));
   for (PetscInt64 i = 0; i < d->n; i++) {
-    const PetscInt64 j     = d->unknown[i];
+    const PetscInt64 j     = d->unknown ? d->unknown[i] : i;
     const PetscReal  scale = p->scale[j % s->width], at = s->base[j], less = Rounded(p, at - d->amount[i] * scale);
 
     above[j] = Rounded(p, at + d->amount[i] * scale);

@@ -49,7 +49,8 @@ void MpmProbeSizesOf(MpmProbe *probe, const MpmProbe *other);
 
 /*
    MpmProbeRespond - the response to a perturbation: (F(q + d) - F(q - d)) / 2, in scales. d is amount[i] scales of
-   unknown[i], which must be different ones; amount[i] is replaced by what the code's arithmetic makes of it.
+   unknown[i], which must be different ones, or where unknown is NULL of unknown i; amount[i] is replaced by what the code's arithmetic
+   makes of it.
 
    Not collective. response: particles x width numbers. forward: F(q + d) - F(q) instead. MpmProbeRespondAll: to m
    perturbations.

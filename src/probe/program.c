@@ -229,6 +229,22 @@ static PetscErrorCode Keep(const MpmProgram *p, MpmProbed *all, MpmProbed *kept)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmProgramCertify(MpmProgram *p, const MpmProbed *all, const MpmProbed *one, MpmProbed *other,
+                                 PetscReal *reach)
+{
+  MpmProbed second;
+
+  PetscFunctionBegin;
+  PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &p->certificates));
+  p->probe.apart = p->unread.apart; /* their columns are not looked at any more */
+  PetscCall(MpmProgramProbe(p, p->probe.other, &second, reach));
+  p->probe.apart = NULL;
+  PetscCall(Keep(p, &second, other));
+  PetscCall(MpmCertifyOperator(&p->probe, &p->lattice, all, one, other, p->unread.apart, &p->certificates));
+  PetscCall(MpmProbedFree(&second));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The progress line has the growth so far, about, from the power method. */
 static PetscErrorCode SaySoFar(MpmProgram *p, Mat A)
 {
@@ -256,30 +272,23 @@ static PetscErrorCode SaySoFar(MpmProgram *p, Mat A)
 PetscErrorCode MpmProgramOperator(MpmProgram *p, MpmProbed *one, MpmProbed *other)
 {
   const PetscInt64 calls = p->shell ? 0 : 4 * (PetscInt64)p->columns + FOR_CERTIFICATES;
-  MpmCertificates *c     = &p->certificates;
-  MpmProbed        all[2];
+  MpmProbed        all;
   PetscReal        reach[2];
 
   PetscFunctionBegin;
   (void)snprintf(p->unit, sizeof p->unit, "calls");
   if (other && calls) PetscCall(MpmStepperExpect(p->stepper, p->unit, calls));
-  PetscCall(MpmProgramProbe(p, p->probe.size, &all[0], &reach[0]));
-  PetscCall(FindUnread(p, &all[0]));
-  PetscCall(Keep(p, &all[0], one));
+  PetscCall(MpmProgramProbe(p, p->probe.size, &all, &reach[0]));
+  PetscCall(FindUnread(p, &all));
+  PetscCall(Keep(p, &all, one));
   if (other) {
     if (one->A && !p->shell) PetscCall(SaySoFar(p, one->A));
-    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, c));
-    p->probe.apart = p->unread.apart; /* their columns are not looked at any more */
-    PetscCall(MpmProgramProbe(p, p->probe.other, &all[1], &reach[1]));
-    p->probe.apart = NULL;
-    PetscCall(Keep(p, &all[1], other));
-    PetscCall(MpmCertifyOperator(&p->probe, &p->lattice, p->shell ? NULL : &all[0], one, other, p->unread.apart, c));
-    PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, c));
-    c->value[MPM_CERTIFY_REACH] = p->kind == MPM_PROBE_BLOCH ? PetscMax(reach[0], reach[1]) : reach[1];
-    PetscCall(MpmProbedFree(&all[1]));
+    PetscCall(MpmProgramCertify(p, p->shell ? NULL : &all, one, other, &reach[1]));
+    PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, &p->certificates));
+    p->certificates.value[MPM_CERTIFY_REACH] = p->kind == MPM_PROBE_BLOCH ? PetscMax(reach[0], reach[1]) : reach[1];
     if (calls) PetscCall(MpmStepperForgetExpected(p->stepper));
   }
-  PetscCall(MpmProbedFree(&all[0]));
+  PetscCall(MpmProbedFree(&all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -72,14 +72,17 @@ PetscErrorCode MpmProgramAdvance(MpmProgram *program, PetscInt steps);
 
    MpmProgramOperator - the operator with both sizes, without unknowns that are only integrated (of a shell nothing is set apart); takes all
    certificates. other NULL: probes with one size and takes no certificate. MpmProgramMatrix - does the same; blocks become the
-   matrix of all particles. MpmProgramLattice - NULL, or the lattice whose waves tell the eigenvalues of that matrix.
+   matrix of all particles. MpmProgramCertify - the second half of it: given all and kept with one size, probes the operator with the
+   other size, and takes all certificates but repeat. MpmProgramLattice - NULL, or the lattice whose waves tell the eigenvalues of that matrix.
 
    Collective. Free them with MpmProbedFree or MatDestroy.
 */
-PetscErrorCode       MpmProgramProbe(MpmProgram *program, PetscReal size, MpmProbed *probed, PetscReal *reach);
-PetscReal            MpmProgramNoise(const MpmProgram *program);
-PetscErrorCode       MpmProgramOperator(MpmProgram *program, MpmProbed *one, MpmProbed *other);
-PetscErrorCode       MpmProgramMatrix(MpmProgram *program, Mat *one, Mat *other);
+PetscErrorCode MpmProgramProbe(MpmProgram *program, PetscReal size, MpmProbed *probed, PetscReal *reach);
+PetscReal      MpmProgramNoise(const MpmProgram *program);
+PetscErrorCode MpmProgramOperator(MpmProgram *program, MpmProbed *one, MpmProbed *other);
+PetscErrorCode MpmProgramCertify(MpmProgram *program, const MpmProbed *all, const MpmProbed *one, MpmProbed *other,
+                                 PetscReal *reach);
+PetscErrorCode MpmProgramMatrix(MpmProgram *program, Mat *one, Mat *other);
 const MpmBlochCells *MpmProgramLattice(const MpmProgram *program);
 
 /*

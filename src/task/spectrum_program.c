@@ -6,7 +6,6 @@
 #include "io/matrix_file.h"
 #include "io/spectrum_files.h"
 #include "probe/program_growth.h"
-#include "probe/program_run.h"
 #include "report/report_program.h"
 #include "report/results.h"
 #include "task/expect.h"
