@@ -79,16 +79,15 @@ typedef struct {
 } mpmstab_registered;
 
 /*
-   bins are as wide as cells. Of a call, owner is the perturbed particle that an answer is due to, or -1. For each pair of
-   numbers of a particle, couples has the largest entry, kinks and sizes what one_sided and two_sizes are made of; own: the
+   at: which particles are perturbed together, by cells; reach: -1 where there are none. For each pair of numbers of a particle, couples has the largest entry, kinks and sizes what one_sided and two_sizes are made of; own: the
    largest entry on the diagonal. apart: numbers that no other eigenvalue feels.
 */
 struct mpmstab_work {
   mpmstab_registered field[MPMSTAB_MOST_FIELDS];
   mpmstab_scales     scales;
+  mpmstab_colours    at;
   int                nfields, width, place, stage, asked, number, reach, single;
-  long               particles, colours, colour, middle, calls, bins[3], modulus[3];
-  long              *bin, *colour_of, *owner, *grid;
+  long               particles, colour, middle, calls;
   double  cell, period[3], *base, *rest, *first, *again, *scale, *answer[MPMSTAB_ASKED], *amount[MPMSTAB_ASKED];
   double  moved, repeat, two_steps, one_sided, two_sizes, additivity, leaks, *couples, *own, *kinks, *sizes;
   char   *apart;
@@ -209,15 +208,16 @@ static inline void mpmstab_bins_(struct mpmstab_work *w, double h)
     const double *x = w->base + w->field[w->place].begin + a;
 
     low[a] = high[a] = x[0];
+    w->at.wraps[a]   = w->period[a] > 0;
     for (long i = 0; i < w->particles; i++) {
       low[a]  = fmin(low[a], x[i * w->width]);
       high[a] = fmax(high[a], x[i * w->width]);
     }
     all *= fmax((high[a] - low[a]) / h, w->period[a] / h) + 1;
     if (!(all < MPMSTAB_MOST_BINS)) w->reach = -1;
-    w->bins[a] = w->reach           ? 0
-                 : w->period[a] > 0 ? (long)ceil(w->period[a] / h - 1e-6)
-                                    : (long)((high[a] - low[a]) / h) + 1;
+    w->at.bins[a] = w->reach           ? 0
+                    : w->period[a] > 0 ? (long)ceil(w->period[a] / h - 1e-6)
+                                       : (long)((high[a] - low[a]) / h) + 1;
   }
   for (long i = 0; i < w->particles && !w->reach; i++) {
     double far = 0;
@@ -227,106 +227,25 @@ static inline void mpmstab_bins_(struct mpmstab_work *w, double h)
       const double in = w->period[a] > 0 ? x - w->period[a] * floor(x / w->period[a]) : x - from;
       const long   b  = (long)(in / h);
 
-      w->bin[3 * i + a] = b < w->bins[a] ? b : w->bins[a] - 1;
+      w->at.bin[3 * i + a] = b < w->at.bins[a] ? b : w->at.bins[a] - 1;
       far += fabs(x - (low[a] + high[a]) / 2);
     }
     if (far < nearest) nearest = far, w->middle = i;
   }
 }
 
-static inline long mpmstab_bins_apart_(const struct mpmstab_work *w, long i, long j)
-{
-  long most = 0;
-
-  for (int a = 0; a < mpmstab_directions_(w); a++) {
-    long d = labs(w->bin[3 * i + a] - w->bin[3 * j + a]);
-
-    if (w->period[a] > 0 && w->bins[a] - d < d) d = w->bins[a] - d;
-    if (d > most) most = d;
-  }
-  return most;
-}
-
-/* A direction repeats its colours every so many bins; what is left over at a period has colours of its own. */
-static inline long mpmstab_line_(struct mpmstab_work *w, int axis)
-{
-  const long apart = 2 * w->reach + 1, bins = w->bins[axis];
-  long       fewest = bins, best = bins;
-
-  for (long m = apart; m <= bins && w->period[axis] > 0; m++)
-    if (m + bins % m < fewest) fewest = m + bins % m, best = m;
-  if (!(w->period[axis] > 0) && apart < bins) fewest = best = apart;
-  w->modulus[axis] = best;
-  return fewest;
-}
-
-/* Numbers the colours that have particles. */
-static inline void mpmstab_used_(struct mpmstab_work *w, long colours)
-{
-  long *number = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)colours);
-
-  w->colours = 0;
-  for (long c = 0; c < colours; c++) number[c] = -1;
-  for (long i = 0; i < w->particles; i++) {
-    if (number[w->colour_of[i]] < 0) number[w->colour_of[i]] = w->colours++;
-    w->colour_of[i] = number[w->colour_of[i]];
-  }
-  free(number);
-}
-
 static inline void mpmstab_colours_(struct mpmstab_work *w)
 {
-  const int dim      = mpmstab_directions_(w);
-  long      lines[3] = {1, 1, 1}, bins = 1, together = 0;
+  mpmstab_colours *c = &w->at;
 
-  w->colours = w->particles;
-  for (int a = 0; a < dim && w->reach >= 0; a++) lines[a] = mpmstab_line_(w, a), bins *= w->bins[a];
-  if (w->reach >= 0) w->grid = (long *)mpmstab_room_(w->grid, sizeof(long) * (size_t)bins);
-  for (long b = 0; b < bins && w->reach >= 0; b++) w->grid[b] = 0;
-  for (long i = 0; i < w->particles; i++) {
-    long at = 0, colour = 0;
-
-    for (int a = 0; a < dim && w->reach >= 0; a++) {
-      const long b = w->bin[3 * i + a], m = w->modulus[a], whole = w->period[a] > 0 ? w->bins[a] / m * m : w->bins[a];
-
-      at     = at * w->bins[a] + b;
-      colour = colour * lines[a] + (b < whole ? b % m : m + b - whole);
-    }
-    w->colour_of[i] = w->reach < 0 ? i : colour + lines[0] * lines[1] * lines[2] * w->grid[at]++;
-    if (w->reach >= 0 && w->grid[at] > together) together = w->grid[at];
-  }
-  if (w->reach >= 0) mpmstab_used_(w, lines[0] * lines[1] * lines[2] * together);
-}
-
-/* Marks the bins round each perturbed particle, and gives each particle the mark of its bin. */
-static inline void mpmstab_owners_(struct mpmstab_work *w)
-{
-  const int  dim  = mpmstab_directions_(w);
-  const long side = 2 * w->reach + 1, box = dim == 3 ? side * side * side : dim == 2 ? side * side : side;
-  long       bins = 1;
-
-  for (int a = 0; a < dim && w->reach >= 0; a++) bins *= w->bins[a];
-  for (long b = 0; b < bins && w->reach >= 0; b++) w->grid[b] = -1;
-  for (long j = 0; j < w->particles; j++) {
-    for (long k = 0; k < box && w->reach >= 0 && w->colour_of[j] == w->colour; k++) {
-      long at = 0, rest = k, inside = 1;
-
-      for (int a = 0; a < dim; a++, rest /= side) {
-        long b = w->bin[3 * j + a] + rest % side - w->reach;
-
-        if (w->period[a] > 0) b = (b % w->bins[a] + w->bins[a]) % w->bins[a];
-        inside = inside && b >= 0 && b < w->bins[a];
-        at     = at * w->bins[a] + b;
-      }
-      if (inside) w->grid[at] = j;
-    }
-  }
-  for (long i = 0; i < w->particles; i++) {
-    long at = 0;
-
-    for (int a = 0; a < dim && w->reach >= 0; a++) at = at * w->bins[a] + w->bin[3 * i + a];
-    w->owner[i] = w->reach < 0 ? w->colour : w->grid[at];
-  }
+  c->dim       = mpmstab_directions_(w);
+  c->alone     = w->reach < 0;
+  c->particles = w->particles;
+  for (int a = 0; a < c->dim; a++) c->reach[a] = w->reach;
+  if (!c->alone) c->grid = (long *)mpmstab_room_(c->grid, sizeof(long) * (size_t)mpmstab_cells_(c));
+  if (mpmstab_colour_(c)) return;
+  fprintf(stderr, "mpmstab_probe: no memory for the colours of %ld particles\n", w->particles);
+  exit(1);
 }
 
 /* ---- what is asked, and what is made of the answers ---- */
@@ -353,7 +272,7 @@ static inline void mpmstab_perturb_(struct mpmstab_work *w)
                     : w->stage == MPMSTAB_CHECK ? !w->apart[number]
                                                 : w->stage == MPMSTAB_LAST || (w->stage == MPMSTAB_FIRST && !w->asked);
     const int one = number == w->number && (w->stage == MPMSTAB_REACH     ? i / w->width == w->middle
-                                            : w->stage == MPMSTAB_COLUMNS ? w->colour_of[i / w->width] == w->colour
+                                            : w->stage == MPMSTAB_COLUMNS ? w->at.colour_of[i / w->width] == w->colour
                                                                           : 0);
 
     random    = (random * 1103515245UL + 12345UL) % 2147483648UL;
@@ -392,9 +311,9 @@ static inline void mpmstab_take_columns_(struct mpmstab_work *w)
 {
   double **f = w->answer, **d = w->amount;
 
-  mpmstab_owners_(w);
+  mpmstab_own_(&w->at, w->colour);
   for (long i = 0; i < w->particles * w->width; i++) {
-    const long   owner = w->owner[i / w->width], j = owner * w->width + w->number;
+    const long   owner = w->at.owner[i / w->width], j = owner * w->width + w->number;
     const double unit = w->scale[w->number] / w->scale[i % w->width], both = mpmstab_minus_(w, i, f[0], f[1]);
     const long   pair = i % w->width * w->width + w->number;
 
@@ -529,9 +448,12 @@ static inline void mpmstab_take_(struct mpmstab_work *w)
   } else if (w->stage == MPMSTAB_REACH) {
     for (long i = 0; i < w->particles * w->width; i++) {
       const double change = fabs(mpmstab_minus_(w, i, w->answer[0], w->rest)) / w->scale[i % w->width];
-      const long   apart  = mpmstab_bins_apart_(w, i / w->width, w->middle);
 
-      if (change > 10 * w->repeat && apart > w->reach) w->reach = (int)apart;
+      for (int a = 0; a < mpmstab_directions_(w) && change > 10 * w->repeat; a++) {
+        const long apart = mpmstab_cells_apart_(&w->at, i / w->width, w->middle, a);
+
+        if (apart > w->reach) w->reach = (int)apart;
+      }
     }
     if (++w->number == w->width) {
       w->reach++; /* particles elsewhere in a cell may reach one further */
@@ -540,7 +462,7 @@ static inline void mpmstab_take_(struct mpmstab_work *w)
   } else if (w->stage == MPMSTAB_COLUMNS) {
     mpmstab_take_columns_(w);
     if (++w->number == w->width) w->number = 0, w->colour++;
-    if (w->colour < w->colours) return;
+    if (w->colour < w->at.colours) return;
     mpmstab_set_apart_(w);
     w->stage = MPMSTAB_CHECK;
   } else if (w->stage == MPMSTAB_LAST) {
@@ -589,19 +511,19 @@ static inline void mpmstab_start_(mpmstab_hook *hook, double h)
     w->answer[k] = (double *)mpmstab_room_(NULL, n);
     w->amount[k] = (double *)mpmstab_room_(NULL, n);
   }
-  w->base      = (double *)mpmstab_room_(NULL, n);
-  w->rest      = (double *)mpmstab_room_(NULL, n);
-  w->first     = (double *)mpmstab_room_(NULL, n);
-  w->again     = (double *)mpmstab_room_(NULL, n);
-  w->own       = (double *)mpmstab_room_(NULL, sizeof(double) * (size_t)(w->width * (3 * w->width + 1)));
-  w->couples   = w->own + w->width;
-  w->kinks     = w->couples + w->width * w->width;
-  w->sizes     = w->kinks + w->width * w->width;
-  w->apart     = (char *)memset(mpmstab_room_(NULL, (size_t)w->width), 0, (size_t)w->width);
-  w->scale     = (double *)mpmstab_room_(NULL, sizeof(double) * (size_t)w->width);
-  w->bin       = (long *)mpmstab_room_(NULL, 3 * sizeof(long) * (size_t)w->particles);
-  w->colour_of = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
-  w->owner     = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
+  w->base         = (double *)mpmstab_room_(NULL, n);
+  w->rest         = (double *)mpmstab_room_(NULL, n);
+  w->first        = (double *)mpmstab_room_(NULL, n);
+  w->again        = (double *)mpmstab_room_(NULL, n);
+  w->own          = (double *)mpmstab_room_(NULL, sizeof(double) * (size_t)(w->width * (3 * w->width + 1)));
+  w->couples      = w->own + w->width;
+  w->kinks        = w->couples + w->width * w->width;
+  w->sizes        = w->kinks + w->width * w->width;
+  w->apart        = (char *)memset(mpmstab_room_(NULL, (size_t)w->width), 0, (size_t)w->width);
+  w->scale        = (double *)mpmstab_room_(NULL, sizeof(double) * (size_t)w->width);
+  w->at.bin       = (long *)mpmstab_room_(NULL, 3 * sizeof(long) * (size_t)w->particles);
+  w->at.colour_of = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
+  w->at.owner     = (long *)mpmstab_room_(NULL, sizeof(long) * (size_t)w->particles);
   for (int i = 0; i < w->width; i++) w->scale[i] = 0; /* the first step is of the state itself */
   memcpy(w->period, hook->period, sizeof w->period);
   w->cell = h;
@@ -676,7 +598,7 @@ static inline void mpmstab_free_(struct mpmstab_work *w)
 {
   for (int k = 0; k < MPMSTAB_ASKED; k++) free(w->answer[k]), free(w->amount[k]);
   free(w->base), free(w->rest), free(w->first), free(w->again), free(w->own), free(w->apart), free(w->scale),
-      free(w->bin), free(w->colour_of), free(w->owner), free(w->grid);
+      free(w->at.bin), free(w->at.colour_of), free(w->at.owner), free(w->at.grid);
   free(w->row), free(w->column), free(w->value);
 }
 

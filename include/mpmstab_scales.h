@@ -1,6 +1,7 @@
 /*
-   mpmstab_scales: sizes of fields that nobody has declared, found from the answers of a step, and the fields that no other
-   eigenvalue feels. mpmstab and the hook (mpmstab_probe.h) use it; it needs nothing else.
+   mpmstab_scales: sizes of fields that nobody has declared, found from the answers of a step; the fields that no other
+   eigenvalue feels; and which particles are perturbed together. mpmstab and the hook (mpmstab_probe.h) use it; it needs nothing
+   else.
 
    Perturbations are made, and errors are judged, in scales d[i] of the fields. Couplings B[i][j] say how much field i
    changes in a step when field j is changed, largest number by largest number; a good choice of scales makes
@@ -20,6 +21,7 @@
 #ifndef MPMSTAB_SCALES_H
 #define MPMSTAB_SCALES_H
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { MPMSTAB_SCALES_MOST = 64, MPMSTAB_SCALES_PASSES = 60, MPMSTAB_SCALES_SWEEPS = 100 };
@@ -235,5 +237,121 @@ static inline void mpmstab_scales_fail_(mpmstab_scales *s)
   for (int f = 0; f < s->n; f++)
     if (!s->given[f]) s->scale[f] = s->value[f] > 0 ? s->value[f] : 1;
   s->unsettled = HUGE_VAL;
+}
+
+/* ---- particles that are perturbed together ---- */
+
+/*
+   A step reaches a few cells, so particles whose cells are far enough apart have one colour, and are perturbed in one call.
+
+   bin: the cell of each particle, 3 numbers, from 0 to bins[a] - 1 in each of dim directions; wraps: the first is next to the last.
+   reach: over so many cells a perturbation is felt; between: cells between what two particles of a colour reach. alone: each
+   particle has a colour of its own, and reaches all others.
+   colour_of: of each particle, colours of them; owner: of a colour the perturbed particle that a particle feels, or -1. Direction a
+   repeats its colours every modulus[a] cells. What is left over at a period has colours of its own; lines[a] with these. bin,
+   colour_of, owner (memory for particles) and grid (for all cells) are the caller's.
+*/
+typedef struct {
+  int   dim, alone, between, wraps[3];
+  long  particles, bins[3], reach[3], modulus[3], lines[3], colours;
+  long *bin, *colour_of, *owner, *grid;
+} mpmstab_colours;
+
+/* How far the cells of two particles are apart in a direction, the shorter way round. */
+static inline long mpmstab_cells_apart_(const mpmstab_colours *c, long i, long j, int axis)
+{
+  const long d = labs(c->bin[3 * i + axis] - c->bin[3 * j + axis]);
+
+  return c->wraps[axis] && c->bins[axis] - d < d ? c->bins[axis] - d : d;
+}
+
+static inline long mpmstab_cells_(const mpmstab_colours *c)
+{
+  long all = 1;
+
+  for (int a = 0; a < c->dim; a++) all *= c->bins[a];
+  return all;
+}
+
+static inline void mpmstab_line_(mpmstab_colours *c, int axis)
+{
+  const long apart = 2 * c->reach[axis] + 1 + c->between, bins = c->bins[axis];
+  long       fewest = bins, best = bins;
+
+  for (long m = apart; m <= bins && c->wraps[axis]; m++)
+    if (m + bins % m < fewest) fewest = m + bins % m, best = m;
+  if (!c->wraps[axis] && apart < bins) fewest = best = apart;
+  c->modulus[axis] = best, c->lines[axis] = fewest;
+}
+
+/* Numbers the colours that have particles. Returns whether there was memory for that. */
+static inline int mpmstab_used_(mpmstab_colours *c, long colours)
+{
+  long *number = (long *)malloc(sizeof(long) * (size_t)(colours + 1));
+
+  if (!number) return 0;
+  c->colours = 0;
+  for (long k = 0; k < colours; k++) number[k] = -1;
+  for (long i = 0; i < c->particles; i++) {
+    if (number[c->colour_of[i]] < 0) number[c->colour_of[i]] = c->colours++;
+    c->colour_of[i] = number[c->colour_of[i]];
+  }
+  free(number);
+  return 1;
+}
+
+/* Finds the colours. Returns whether there was memory for that. */
+static inline int mpmstab_colour_(mpmstab_colours *c)
+{
+  long together = 0, lines = 1;
+
+  c->colours = c->particles;
+  for (long i = 0; i < c->particles; i++) c->colour_of[i] = i;
+  if (c->alone) return 1;
+  for (int a = 0; a < c->dim; a++) mpmstab_line_(c, a), lines *= c->lines[a];
+  for (long b = 0; b < mpmstab_cells_(c); b++) c->grid[b] = 0;
+  for (long i = 0; i < c->particles; i++) {
+    long at = 0, colour = 0;
+
+    for (int a = 0; a < c->dim; a++) {
+      const long b = c->bin[3 * i + a], m = c->modulus[a], whole = c->wraps[a] ? c->bins[a] / m * m : c->bins[a];
+
+      at     = at * c->bins[a] + b;
+      colour = colour * c->lines[a] + (b < whole ? b % m : m + b - whole);
+    }
+    c->colour_of[i] = colour + lines * c->grid[at]++;
+    if (c->grid[at] > together) together = c->grid[at];
+  }
+  return mpmstab_used_(c, lines * together);
+}
+
+/* Marks the cells round each particle of a colour, and gives each particle the mark of its cell. */
+static inline void mpmstab_own_(mpmstab_colours *c, long colour)
+{
+  long box = 1;
+
+  for (int a = 0; a < c->dim && !c->alone; a++) box *= 2 * c->reach[a] + 1;
+  for (long b = 0; b < mpmstab_cells_(c) && !c->alone; b++) c->grid[b] = -1;
+  for (long j = 0; j < c->particles; j++) {
+    for (long k = 0; k < box && !c->alone && c->colour_of[j] == colour; k++) {
+      long at = 0, rest = k, inside = 1;
+
+      for (int a = 0; a < c->dim; a++) {
+        long b = c->bin[3 * j + a] + rest % (2 * c->reach[a] + 1) - c->reach[a];
+
+        rest /= 2 * c->reach[a] + 1;
+        if (c->wraps[a]) b = (b % c->bins[a] + c->bins[a]) % c->bins[a];
+        inside = inside && b >= 0 && b < c->bins[a];
+        at     = at * c->bins[a] + b;
+      }
+      if (inside) c->grid[at] = j;
+    }
+  }
+  for (long i = 0; i < c->particles; i++) {
+    long at = 0;
+
+    for (int a = 0; a < c->dim && !c->alone; a++) at = at * c->bins[a] + c->bin[3 * i + a];
+    c->owner[i] = c->alone ? colour : c->grid[at];
+  }
 }
 #endif

@@ -16,7 +16,7 @@ base = doubles(state);
 about = with(about, struct('place', 'x', 'scale', struct()));
 dim = widths(strcmp(names, about.place));
 about = with(about, struct('protocol', 1, 'name', 'mine', 'dim', dim, 'periodic', NaN(1, dim), 'fields', {{}}, ...
-                           'particles', size(base, 1), 'any_count', false, 'parameters', struct(), 'steps', 1));
+                           'particles', size(base, 1), 'any_count', false, 'parameters', struct(), 'steps', 1, 'batch', 64));
 about.periodic = num2cell(about.periodic); % in JSON an array, also of one number
 for k = 1:numel(names)
   about.fields{k} = struct('name', names{k}, 'size', widths(k), 'place', strcmp(names{k}, about.place));
@@ -36,12 +36,15 @@ while true
       case 'describe', [head, tail] = deal(rmfield(about, {'place', 'scale'}), base);
       case 'set', about.parameters = with(rmfield(message, 'command'), about.parameters);
       case 'step'
-        message = with(message, struct('particles', about.particles));
-        tail = fread(in, [size(base, 2), message.particles], 'double').';
-        for n = 1:message.steps
-          now = mat2cell(tail, message.particles, widths);
-          now = cellfun(@(of, a) cast(of, class(a)), now, arrays, 'UniformOutput', false);
-          tail = doubles(orderfields(step(cell2struct(now, names, 2), about.parameters), state));
+        message = with(message, struct('particles', about.particles, 'states', 1));
+        tail = fread(in, [size(base, 2), message.particles * message.states], 'double').';
+        for first = 1:message.particles:size(tail, 1) % one state after another
+          own = first:first + message.particles - 1;
+          for n = 1:message.steps
+            now = mat2cell(tail(own, :), message.particles, widths);
+            now = cellfun(@(of, a) cast(of, class(a)), now, arrays, 'UniformOutput', false);
+            tail(own, :) = doubles(orderfields(step(cell2struct(now, names, 2), about.parameters), state));
+          end
         end
     end
   catch wrong

@@ -3,8 +3,7 @@
    would be 0 for an ideal code, and a bound up to which it holds.
 */
 #pragma once
-#include "probe/colours.h"
-#include "probe/lattice.h"
+#include "probe/probed.h"
 #include <mpmstab/verdict.h>
 
 /*E
@@ -90,12 +89,10 @@ const char    *MpmCertificatesCure(const MpmCertificates *certificates);
 /*
    MpmCertifyStep - takes those that need no operator: two steps, additivity, one side, equilibrium, scales. The others are
    NaN.
-   MpmCertifyBlocks - adds two sizes and columns, of blocks that were probed with the two sizes of probe. Their reach is known
-   where they are.
-   MpmCertifyMatrix - does the same for a matrix, with its reach.
+   MpmCertifyOperator - adds two sizes and columns, of operators that were probed with the two sizes of probe. one: NULL where no columns
+   are known, of a shell.
    MpmCertifyRepeat - adds repeat, when all others are taken.
-   MpmCertifyColumns, MpmCertifyBlockColumns - the number of columns alone, and the unknown that shows it most. The second leaves it
-   as it is where no cell is inside.
+   MpmCertifyColumns - the number of columns alone, NaN where no cell is inside, and the unknown that shows it most.
 
    What is set apart does not count, because no eigenvalue that is judged feels its error: apart[c] says whether number c of
    a particle is; kept and other are without it, one is with it.
@@ -104,14 +101,11 @@ const char    *MpmCertificatesCure(const MpmCertificates *certificates);
 */
 PetscErrorCode MpmCertifyStep(MpmProbe *probe, PetscReal tolerance, const PetscBool apart[],
                               MpmCertificates *certificates);
-PetscErrorCode MpmCertifyBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmBlocks *one,
-                                const MpmBlocks *kept, const MpmBlocks *other, const PetscBool apart[],
-                                MpmCertificates *certificates);
-PetscErrorCode MpmCertifyMatrix(MpmProbe *probe, const MpmProbeColours *colours, Mat one, Mat kept, Mat other,
-                                const PetscBool apart[], MpmCertificates *certificates);
-PetscErrorCode MpmCertifyColumns(MpmProbe *probe, Mat A, const PetscBool apart[], PetscReal *differ, PetscInt64 *most);
-PetscErrorCode MpmCertifyBlockColumns(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmBlocks *blocks,
-                                      const PetscBool apart[], PetscReal *differ);
+PetscErrorCode MpmCertifyOperator(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmProbed *one,
+                                  const MpmProbed *kept, const MpmProbed *other, const PetscBool apart[],
+                                  MpmCertificates *certificates);
+PetscErrorCode MpmCertifyColumns(MpmProbe *probe, const MpmProbeLattice *lattice, const MpmProbed *one,
+                                 const PetscBool apart[], PetscReal *differ, PetscInt64 *most);
 PetscErrorCode MpmCertifyRepeat(MpmProbe *probe, const PetscBool apart[], MpmCertificates *certificates);
 
 /*

@@ -1,10 +1,147 @@
-/* All columns one by one, and the operator as a shell. */
+/*
+   The columns of an operator: particles of one colour of <mpmstab_scales.h> are perturbed together. Cells are left free between what
+   two of them reach: what arrives there shows that the reach was taken too short. Without places each particle has a colour of
+   its own.
+*/
 #include "probe/columns.h"
 #include "base/hash.h"
 #include <mpmstab/errors.h>
-#include <math.h>
+#include <mpmstab_scales.h>
 
-#define VECTORS 4 /* random ones, for a norm */
+#define BETWEEN 1  /* cells between the reaches of two particles of a colour: what is felt farther is felt there, too */
+#define FELT 1e-14 /* a response below this, of the largest, is none */
+#define FELT_SINGLE 0.0 /* floats far away do not change at all */
+#define VECTORS 4       /* random ones, for a norm */
+
+typedef struct {
+  MpmProbe       *probe;
+  mpmstab_colours at;
+} Colouring;
+
+static PetscInt CellOf(const MpmStepper *s, PetscInt64 i, PetscInt a)
+{
+  if (s->place == MPM_NONE) return s->cell[i * s->dim + a];
+  return (PetscInt)floor(s->base[i * s->width + s->fields[s->place].first + a] / s->cell_width);
+}
+
+/* With a period cells are counted around it, without one from the first particle to the last. */
+static void Box(Colouring *c)
+{
+  const MpmStepper *s = c->probe->stepper;
+
+  for (PetscInt a = 0; a < s->dim; a++) {
+    PetscInt least = CellOf(s, 0, a), most = least;
+
+    for (PetscInt64 i = 0; i < s->particles; i++) {
+      least = PetscMin(least, CellOf(s, i, a));
+      most  = PetscMax(most, CellOf(s, i, a));
+    }
+    c->at.wraps[a] = s->period[a] > 0;
+    c->at.bins[a]  = c->at.wraps[a] ? (long)ceil(s->period[a] / s->cell_width - 1e-6) : most - least + 1;
+    for (PetscInt64 i = 0; i < s->particles; i++) c->at.bin[3 * i + a] = (CellOf(s, i, a) - least) % c->at.bins[a];
+  }
+}
+
+/* alone: each particle by itself, wherever it is. */
+static PetscErrorCode Begin(MpmProbe *p, PetscBool alone, Colouring *c)
+{
+  const MpmStepper *s = p->stepper;
+
+  PetscFunctionBegin;
+  *c = (Colouring){.probe = p,
+                   .at    = {.dim = (int)s->dim, .alone = alone, .between = BETWEEN, .particles = s->particles}};
+  MpmCheckInput(alone || s->place != MPM_NONE || s->cell,
+                "%s: it does not say where its particles are; needed: a field with \"place\": true, or \"cell\" in its "
+                "description",
+                s->where);
+  PetscCall(PetscMalloc3(3 * s->particles, &c->at.bin, s->particles, &c->at.colour_of, s->particles, &c->at.owner));
+  if (alone) PetscFunctionReturn(PETSC_SUCCESS);
+  Box(c);
+  PetscCall(PetscMalloc1(mpmstab_cells_(&c->at), &c->at.grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode End(Colouring *c)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscFree3(c->at.bin, c->at.colour_of, c->at.owner));
+  PetscCall(PetscFree(c->at.grid));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- reach ---- */
+
+/* The particle that is nearest to the middle of the box, where the response has most room. */
+static PetscInt64 Central(const Colouring *c)
+{
+  const MpmStepper *s       = c->probe->stepper;
+  PetscInt64        central = 0;
+  PetscReal         nearest = PETSC_MAX_REAL;
+
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    PetscReal distance = 0;
+
+    for (PetscInt a = 0; a < s->dim; a++)
+      distance += PetscSqr((PetscReal)c->at.bin[3 * i + a] - (PetscReal)c->at.bins[a] / 2);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    central = i;
+  }
+  return central;
+}
+
+static PetscErrorCode Reach(Colouring *c)
+{
+  MpmProbe         *p       = c->probe;
+  const MpmStepper *s       = p->stepper;
+  const PetscInt64  central = Central(c);
+  PetscInt64       *unknown;
+  PetscReal        *amount, *response, largest = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(s->width, &unknown, s->width, &amount, s->particles * s->width, &response));
+  for (PetscInt j = 0; j < s->width; j++) {
+    unknown[j] = central * s->width + j;
+    amount[j]  = p->size;
+  }
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, s->width, unknown, amount, response));
+  PetscCall(MpmStepperAgree(p->stepper));
+  for (PetscInt64 i = 0; i < s->particles * s->width; i++) largest = PetscMax(largest, PetscAbsReal(response[i]));
+  for (PetscInt64 i = 0; i < s->particles * s->width; i++) {
+    if (PetscAbsReal(response[i]) <= (p->single ? FELT_SINGLE : FELT) * largest) continue;
+    for (int a = 0; a < s->dim; a++)
+      c->at.reach[a] = PetscMax(c->at.reach[a], mpmstab_cells_apart_(&c->at, (long)(i / s->width), (long)central, a));
+  }
+  PetscCall(PetscFree3(unknown, amount, response));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Colour(Colouring *c, MpmProbeColours *colours)
+{
+  PetscFunctionBegin;
+  PetscCheck(mpmstab_colour_(&c->at), PETSC_COMM_SELF, PETSC_ERR_MEM, "colours of particles");
+  colours->colours = (PetscInt)c->at.colours * c->probe->stepper->width;
+  for (PetscInt a = 0; a < c->at.dim; a++) colours->reach[a] = (PetscInt)c->at.reach[a];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProbeReach(MpmProbe *p, MpmProbeColours *colours)
+{
+  Colouring c;
+
+  PetscFunctionBegin;
+  *colours = (MpmProbeColours){.colours = 0};
+  PetscCall(Begin(p, PETSC_FALSE, &c));
+  PetscCall(Reach(&c));
+  PetscCall(Colour(&c, colours));
+  colours->everywhere = PETSC_TRUE;
+  for (PetscInt a = 0; a < c.at.dim; a++)
+    if (2 * c.at.reach[a] + 1 < c.at.bins[a]) colours->everywhere = PETSC_FALSE;
+  PetscCall(End(&c));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- matrices ---- */
 
 /* The rows of a rank are whole particles. */
 static PetscInt LocalRows(const MpmStepper *s, PetscInt width)
@@ -26,8 +163,6 @@ PetscErrorCode MpmProbeNewMatrix(const MpmStepper *s, PetscInt width, PetscInt m
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- columns ---- */
-
 PetscErrorCode MpmProbeFillDiagonal(Mat A)
 {
   PetscInt first, last;
@@ -43,60 +178,112 @@ PetscErrorCode MpmProbeFillDiagonal(Mat A)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- columns ---- */
+
+/* by: for each particle what its unknown of a colour was perturbed by. seen: the largest leak, and response. */
 typedef struct {
-  const MpmProbe *probe;
-  PetscReal       size;
-  PetscInt       *rows;
-  Mat             A;
+  Colouring *colouring;
+  PetscReal  size, *by, seen[2];
+  Mat        A;
 } Columns;
 
-static PetscErrorCode Perturb(void *context, PetscInt j, MpmPerturbation *d)
+static PetscErrorCode Perturb(void *context, PetscInt colour, MpmPerturbation *d)
 {
-  const Columns *c = context;
+  const Columns    *columns = context;
+  const Colouring  *c       = columns->colouring;
+  const MpmStepper *s       = c->probe->stepper;
+  const PetscInt    number  = colour % s->width;
 
   PetscFunctionBegin;
-  if (MpmProbeIsApart(c->probe, j % c->probe->stepper->width)) PetscFunctionReturn(PETSC_SUCCESS);
-  d->unknown[0]     = j;
-  d->amount[d->n++] = c->size;
+  for (PetscInt64 i = 0; i < s->particles && !MpmProbeIsApart(c->probe, number); i++) {
+    if (c->at.colour_of[i] != colour / s->width) continue;
+    d->unknown[d->n]  = i * s->width + number;
+    d->amount[d->n++] = columns->size;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Take(void *context, PetscInt j, const MpmPerturbation *d)
+static PetscErrorCode Take(void *context, PetscInt colour, const MpmPerturbation *d)
 {
-  const Columns *c = context;
-  const PetscInt n = (PetscInt)c->probe->stepper->particles * c->probe->stepper->width;
+  Columns          *columns = context;
+  Colouring        *c       = columns->colouring;
+  const MpmStepper *s       = c->probe->stepper;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < n; i++) d->response[i] /= d->amount[0];
-  PetscCall(MatSetValues(c->A, n, c->rows, 1, &j, d->response, ADD_VALUES));
+  for (PetscInt64 k = 0; k < d->n; k++) columns->by[d->unknown[k] / s->width] = d->amount[k];
+  mpmstab_own_(&c->at, colour / s->width);
+  for (PetscInt64 i = 0; i < s->particles; i++) {
+    const long source = c->at.owner[i];
+
+    for (PetscInt j = 0; j < s->width; j++) {
+      const PetscReal felt = d->response[i * s->width + j];
+      const PetscInt  row = (PetscInt)(i * s->width + j), column = (PetscInt)source * s->width + colour % s->width;
+
+      columns->seen[1] = PetscMax(columns->seen[1], PetscAbsReal(felt));
+      if (source < 0)
+        columns->seen[0] = PetscMax(columns->seen[0], PetscAbsReal(felt));
+      else if (felt != 0)
+        PetscCall(MatSetValue(columns->A, row, column, felt / columns->by[source], ADD_VALUES));
+    }
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmProbeColumns(MpmProbe *p, PetscReal size, Mat *A)
+static PetscErrorCode Probe(Colouring *c, PetscReal size, MpmProbeColours *colours, Mat A)
 {
-  const PetscInt n = (PetscInt)p->stepper->particles * p->stepper->width;
-  Columns        c = {.probe = p, .size = size};
+  const MpmStepper *s       = c->probe->stepper;
+  Columns           columns = {.colouring = c, .size = size, .A = A};
 
   PetscFunctionBegin;
-  PetscCall(MpmProbeNewMatrix(p->stepper, p->stepper->width, n, A));
-  PetscCall(PetscMalloc1(n, &c.rows));
-  for (PetscInt i = 0; i < n; i++) c.rows[i] = i;
-  c.A = *A;
-  PetscCall(MpmProbeEach(p, n, 1, Perturb, Take, &c));
-  PetscCall(PetscFree(c.rows));
+  PetscCall(PetscMalloc1(s->particles, &columns.by));
+  PetscCall(MpmProbeEach(c->probe, colours->colours, s->particles, Perturb, Take, &columns));
+  PetscCall(PetscFree(columns.by));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, columns.seen, 2, MPIU_REAL, MPI_MAX, PETSC_COMM_WORLD));
+  colours->leaks = columns.seen[1] > 0 ? columns.seen[0] / columns.seen[1] : 0;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProbeMatrix(MpmProbe *p, PetscReal size, MpmProbeColours *colours, Mat *A)
+{
+  const MpmStepper *s     = p->stepper;
+  MpmProbeColours   each  = {.colours = 0};
+  PetscBool         grows = PETSC_TRUE;
+  Colouring         c;
+
+  PetscFunctionBegin;
+  *A = NULL;
+  PetscCall(Begin(p, colours ? PETSC_FALSE : PETSC_TRUE, &c));
+  if (colours) {
+    each = *colours;
+    PetscCall(Reach(&c));
+    for (PetscInt a = 0; a < c.at.dim; a++) c.at.reach[a] = PetscMax(c.at.reach[a], each.reach[a]);
+  }
+  while (grows) {
+    PetscCall(Colour(&c, &each));
+    PetscCall(MatDestroy(A));
+    PetscCall(MpmProbeNewMatrix(s, s->width, colours ? 0 : (PetscInt)s->particles * s->width, A));
+    PetscCall(Probe(&c, size, &each, *A));
+    grows = PETSC_FALSE;
+    for (PetscInt a = 0; a < c.at.dim && colours; a++) {
+      if (each.leaks <= FELT || 2 * c.at.reach[a] + 1 >= c.at.bins[a]) continue;
+      c.at.reach[a]++;
+      grows = PETSC_TRUE;
+    }
+  }
   PetscCall(MpmProbeFillDiagonal(*A));
+  if (colours) *colours = each;
+  PetscCall(End(&c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- the shell ---- */
 
-/* all: the vector on every rank; unknown, amount, response: of a product. */
+/* all: the vector on every rank; amount, response: of a product. */
 typedef struct {
-  MpmProbe   *probe;
-  PetscReal   size, *amount, *response;
-  PetscInt64 *unknown;
-  Vec         all;
-  VecScatter  scatter;
+  MpmProbe  *probe;
+  PetscReal  size, *amount, *response;
+  Vec        all;
+  VecScatter scatter;
 } Shell;
 
 /* The response to size / largest(x) x, over that factor. */
@@ -106,12 +293,9 @@ static PetscErrorCode Respond(Shell *shell, const PetscScalar x[], PetscReal lar
   const PetscInt64  n = s->particles * s->width;
 
   PetscFunctionBegin;
-  for (PetscInt64 i = 0; i < n; i++) {
-    shell->unknown[i] = i;
-    shell->amount[i]  = shell->size / largest * x[i];
-  }
+  for (PetscInt64 i = 0; i < n; i++) shell->amount[i] = shell->size / largest * x[i];
   if (MpmRankOf(PETSC_COMM_WORLD) == 0)
-    PetscCall(MpmProbeRespond(shell->probe, PETSC_FALSE, n, shell->unknown, shell->amount, shell->response));
+    PetscCall(MpmProbeRespond(shell->probe, PETSC_FALSE, n, NULL, shell->amount, shell->response));
   PetscCall(MpmStepperAgree(shell->probe->stepper));
   PetscCallMPI(MPI_Bcast(shell->response, (PetscMPIInt)n, MPIU_REAL, 0, PETSC_COMM_WORLD));
   for (PetscInt64 i = 0; i < n; i++) shell->response[i] *= largest / shell->size;
@@ -188,7 +372,7 @@ static PetscErrorCode Destroy(Mat A)
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(A, &shell));
-  PetscCall(PetscFree3(shell->unknown, shell->amount, shell->response));
+  PetscCall(PetscFree2(shell->amount, shell->response));
   PetscCall(VecDestroy(&shell->all));
   PetscCall(VecScatterDestroy(&shell->scatter));
   PetscCall(PetscFree(shell));
@@ -206,7 +390,7 @@ PetscErrorCode MpmProbeShell(MpmProbe *p, PetscReal size, Mat *A)
   PetscCall(PetscNew(&shell));
   shell->probe = p;
   shell->size  = size;
-  PetscCall(PetscMalloc3(n, &shell->unknown, n, &shell->amount, n, &shell->response));
+  PetscCall(PetscMalloc2(n, &shell->amount, n, &shell->response));
   PetscCall(MatCreateShell(PETSC_COMM_WORLD, rows, rows, n, n, shell, A));
   PetscCall(MatShellSetOperation(*A, MATOP_MULT, (void (*)(void))Multiply));
   PetscCall(MatShellSetOperation(*A, MATOP_NORM, (void (*)(void))Norm));

@@ -1,20 +1,45 @@
 /*
-   Probing without places: the operator of a step that reaches the whole domain, as an implicit one does, or of particles
-   that do not say where they are. Its columns are probed one by one, or it is a shell whose product is two calls.
+   The operator of all particles. Coloured probing: a step reaches a few cells, so unknowns whose particles are farther apart than
+   twice that are probed in one call, and the number of calls does not grow with the number of particles. A step that reaches
+   the whole domain, as an implicit one does, or particles that do not say where they are: its columns are probed one by one, or it is
+   a shell whose product is two calls.
 */
 #pragma once
 #include "probe/probe.h"
 
+/*S
+   MpmProbeColours - how a base state is coloured.
+
+   reach   - the largest distance, in cells, over which a particle's perturbation is felt, in each direction
+   colours - the number of groups of unknowns; a group is probed in one call
+   everywhere - a particle's perturbation is felt in all cells, so that nothing can be probed together
+   leaks   - the largest response that no unknown of a group can have made, over the largest response: 0 when reach is
+             right
+S*/
+typedef struct {
+  PetscInt  reach[MPM_MAX_DIM], colours;
+  PetscBool everywhere;
+  PetscReal leaks;
+} MpmProbeColours;
+
 /*
-   MpmProbeColumns - the operator as a parallel AIJ matrix. Every entry of its diagonal is there.
+   MpmProbeReach - finds the reach by probing one particle, and the number of colours.
+
+   Collective. The base state must have places or cells.
+*/
+PetscErrorCode MpmProbeReach(MpmProbe *probe, MpmProbeColours *colours);
+
+/*
+   MpmProbeMatrix - the operator as a parallel AIJ matrix, whose diagonal is all there. Where a response leaks, it begins again with
+   a larger reach. colours: NULL: columns are probed one by one.
    MpmProbeShell - the operator as a MATSHELL with the product A x, and no transposed one. It is of no use after the probe is
    destroyed. Its infinity norm is a lower bound: the largest number that it makes of a few vectors of ones with random
    signs.
 
-   Collective. The ranks share the columns; of a shell the first rank alone asks its code. size: of perturbations; a vector
+   Collective. The ranks share the calls; of a shell the first rank alone asks its code. size: of perturbations; a vector
    is scaled so that its largest number is that.
 */
-PetscErrorCode MpmProbeColumns(MpmProbe *probe, PetscReal size, Mat *A);
+PetscErrorCode MpmProbeMatrix(MpmProbe *probe, PetscReal size, MpmProbeColours *colours, Mat *A);
 PetscErrorCode MpmProbeShell(MpmProbe *probe, PetscReal size, Mat *A);
 
 /* Collective. A lower bound of norm(one - other): the largest that a few random vectors show. */

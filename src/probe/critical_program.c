@@ -32,7 +32,8 @@ const char *const MpmProgramLimitNames[] = {"interior", "block", "lone_particle"
    Search - whose growth is asked for. part: a free block or a lone particle, which has a base state of its own; NULL: the
    program itself.
 
-   polynomial - its operator, if that is known at all time steps
+   place      - its operator at all time steps, where known says so: at rest one polynomial, in motion one for each of n places of the
+                period
    wave       - phases of the waves whose growth is looked at; all: the largest of all waves is sought
    given      - numbers of a particle that nothing reads in the interior
    unit       - what the progress line counts, with the number so far
@@ -41,7 +42,8 @@ typedef struct {
   MpmProgram         *program, part;
   MpmStepper          cut;
   PetscBool           is_part, known, all, *given;
-  MpmDtPolynomial     polynomial;
+  MpmDtPolynomial    *place;
+  PetscInt            n;
   PetscReal           wave[WAVES][MPM_MAX_DIM];
   PetscInt            waves;
   MpmCriticalProgram *critical;
@@ -51,52 +53,61 @@ typedef struct {
 /* ---- growth at a time step ---- */
 
 /* The largest growth of all waves, or of those that are known to matter. */
-static PetscErrorCode GrowthOfBlocks(Search *s, const MpmProgram *p, MpmBlocks *blocks, PetscReal *growth)
+static PetscErrorCode GrowthOfWaves(Search *s, const MpmSource *source, PetscReal *growth)
 {
   static const PetscInt phases[] = {32, 16, 8};
   PetscInt              each[MPM_MAX_DIM];
-  MpmSource             source;
   MpmSourceGrowth       at;
 
   PetscFunctionBegin;
-  PetscCall(MpmBlocksSource(blocks, p->stepper->name, &source));
-  for (PetscInt a = 0; a < blocks->dim; a++) each[a] = phases[blocks->dim - 1];
+  for (PetscInt a = 0; a < source->dim; a++) each[a] = phases[source->dim - 1];
   *growth = 0;
   if (s->all) {
-    PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, each, s->critical->beta, &at));
+    PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, source, each, s->critical->beta, &at));
     *growth = at.growth;
   } else
     for (PetscInt i = 0; i < s->waves; i++) {
-      PetscCall(MpmSourceGrowthAt(&source, s->wave[i], &at));
+      PetscCall(MpmSourceGrowthAt(source, s->wave[i], &at));
       *growth = PetscMax(*growth, at.growth);
     }
-  PetscCall(MpmBlocksFree(blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* From the polynomial, without a call. */
+/* Of the product of the steps of a period, without a call. */
 static PetscErrorCode GrowthKnown(Search *s, PetscReal dt, PetscReal *growth)
 {
-  const MpmDtPolynomial *f = &s->polynomial;
-  PetscReal              value[2];
-  MpmBlocks              blocks;
+  MpmProbed     *probed;
+  MpmBlocks     *blocks;
+  MpmBlocksSteps steps = {.n = s->n};
+  MpmSource      source;
+  PetscReal      value[2];
 
   PetscFunctionBegin;
-  if (f->A[0]) {
-    PetscCall(MpmDtPolynomialLargest(&s->polynomial, dt, value));
-    *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, f->program->stepper->steps);
+  if (s->place[0].at[0].A) {
+    PetscCall(MpmDtPolynomialLargest(&s->place[0], dt, value));
+    *growth = MpmGrowthPerStep(hypot(value[0], value[1]), 0, s->program->stepper->steps);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmDtPolynomialBlocks(f, dt, &blocks));
-  PetscCall(GrowthOfBlocks(s, f->program, &blocks, growth));
+  PetscCall(PetscMalloc2(s->n, &probed, s->n, &blocks));
+  for (PetscInt k = 0; k < s->n; k++) {
+    PetscCall(MpmDtPolynomialAt(&s->place[k], dt, &probed[k]));
+    blocks[k] = probed[k].blocks;
+  }
+  steps.step = blocks;
+  PetscCall(MpmBlocksSourceOfSteps(&steps, s->program->stepper->name, &source));
+  PetscCall(GrowthOfWaves(s, &source, growth));
+  for (PetscInt k = 0; k < s->n; k++) PetscCall(MpmProbedFree(&probed[k]));
+  PetscCall(PetscFree2(probed, blocks));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* At a time step: from the polynomial, or from an operator that is probed. */
 static PetscErrorCode Growth(void *context, PetscReal dt, PetscReal *growth)
 {
   Search     *s = context;
   MpmProgram *p = s->is_part ? &s->part : s->program;
-  MpmBlocks   blocks;
+  MpmProbed   probed;
+  MpmSource   source;
 
   PetscFunctionBegin;
   if (s->known) {
@@ -105,8 +116,10 @@ static PetscErrorCode Growth(void *context, PetscReal dt, PetscReal *growth)
     PetscCall(MpmStepperSet(p->stepper, s->critical->name, dt));
     PetscCall(MpmProgramPrepare(p));
     if (p->kind == MPM_PROBE_BLOCH) {
-      PetscCall(MpmProgramBlocks(p, &blocks, NULL));
-      PetscCall(GrowthOfBlocks(s, p, &blocks, growth));
+      PetscCall(MpmProgramOperator(p, &probed, NULL));
+      PetscCall(MpmBlocksSource(&probed.blocks, p->stepper->name, &source));
+      PetscCall(GrowthOfWaves(s, &source, growth));
+      PetscCall(MpmProbedFree(&probed));
     } else
       PetscCall(MpmProgramGrowth(p, growth));
     PetscCall(MpmProgramForget(p));
@@ -171,32 +184,65 @@ static PetscErrorCode LimitOfWaves(Search *s, PetscReal start, PetscInt below, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Forget(Search *s)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < s->n; k++) PetscCall(MpmDtPolynomialDestroy(&s->place[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Polynomials around a time step, one for each place; what nothing reads at any of them is set apart. */
+static PetscErrorCode FindPolynomials(Search *s, PetscReal centre, PetscBool *fits)
+{
+  MpmProgram *p   = s->is_part ? &s->part : s->program;
+  MpmUnread  *all = &s->place[0].unread;
+
+  PetscFunctionBegin;
+  PetscCall(Forget(s));
+  *fits = PETSC_TRUE;
+  for (PetscInt k = 0; k < s->n && *fits; k++) {
+    s->place[k] = (MpmDtPolynomial){.name   = s->critical->name,
+                                    .given  = s->is_part ? s->given : NULL,
+                                    .motion = s->is_part ? NULL : s->critical->motion,
+                                    .step   = k};
+    PetscCall(MpmDtPolynomialFind(p, centre, &s->place[k], fits));
+    s->critical->probes += s->place[k].n;
+    if (k && *fits) MpmMotionJoin(&s->place[k].unread, all);
+  }
+  for (PetscInt k = 1; k < s->n && *fits; k++) {
+    PetscCall(PetscArraycpy(s->place[k].unread.apart, all->apart, all->width));
+    s->place[k].unread.n = all->n;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    By the polynomial, which is probed around a time step that is near the limit, and must hold at the limit and at half of it. found:
-   whether it does.
+   whether it does. In motion a limit of 0 is one: growth of ringing gets smaller with the time step, and does not vanish.
 */
 static PetscErrorCode FindKnown(Search *s, PetscReal start, PetscInt below, PetscReal *limit, PetscBool *found)
 {
-  MpmProgram *p      = s->is_part ? &s->part : s->program;
-  PetscReal   centre = start;
+  PetscReal centre = start;
 
   PetscFunctionBegin;
   *found = PETSC_FALSE;
   for (int move = 0; move < MOST_MOVES; move++) {
     PetscBool fits;
 
-    PetscCall(MpmDtPolynomialDestroy(&s->polynomial));
-    s->polynomial = (MpmDtPolynomial){.name = s->critical->name, .given = s->is_part ? s->given : NULL};
-    PetscCall(MpmDtPolynomialFind(p, centre, &s->polynomial, &fits));
-    s->critical->probes += s->polynomial.n;
+    PetscCall(FindPolynomials(s, centre, &fits));
     if (!fits) break;
     s->known = PETSC_TRUE;
-    PetscCall(s->polynomial.A[0] ? Limit(s, start, below, limit) : LimitOfWaves(s, start, below, limit));
+    PetscCall(s->place[0].at[0].A ? Limit(s, start, below, limit) : LimitOfWaves(s, start, below, limit));
     s->known = PETSC_FALSE;
-    if (!(*limit > 0) || !isfinite(*limit)) break;
+    if (!(*limit > 0) || !isfinite(*limit)) {
+      *found = s->critical->motion ? PETSC_TRUE : PETSC_FALSE;
+      break;
+    }
     if (*limit <= FARTHER * centre && *limit >= centre / FARTHER) {
-      PetscCall(MpmDtPolynomialHolds(&s->polynomial, *limit, found));
-      if (*found) PetscCall(MpmDtPolynomialHolds(&s->polynomial, *limit / 2, found));
+      *found = PETSC_TRUE;
+      for (PetscInt k = 0; k < s->n; k++)
+        for (int half = 1; half <= 2 && *found; half++)
+          PetscCall(MpmDtPolynomialHolds(&s->place[k], *limit / half, found));
       break;
     }
     centre = *limit;
@@ -210,8 +256,13 @@ static PetscErrorCode FindLimit(Search *s, PetscReal start, PetscInt below, Pets
 
   PetscFunctionBegin;
   PetscCall(FindKnown(s, start, below, limit, &found));
+  MpmCheckInput(
+      found || !s->critical->motion,
+      "-drift: the step of the code is no polynomial of %s, so that a limit would need a probe of all places at "
+      "each time step; allowed: symbol -drift, at one time step",
+      s->critical->name);
   if (!found) {
-    PetscCall(MpmDtPolynomialDestroy(&s->polynomial));
+    PetscCall(Forget(s));
     PetscCall(Limit(s, start, below, limit));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -228,7 +279,9 @@ static PetscErrorCode JudgeAt(MpmProgram *p, PetscReal started, PetscReal dt, Mp
   PetscCall(MpmStepperSet(p->stepper, c->name, dt));
   PetscCall(MpmProgramPrepare(p));
   PetscCall(MpmRequestPhases(p->request, p->stepper->dim, phases));
-  if (p->kind == MPM_PROBE_BLOCH)
+  if (c->motion)
+    PetscCall(MpmMotionJudgeWaves(p, c->motion, phases, c->beta, f));
+  else if (p->kind == MPM_PROBE_BLOCH)
     PetscCall(MpmProgramJudgeWaves(p, phases, c->beta, f));
   else
     PetscCall(MpmProgramJudgeParticles(p, started, f, &c->carriers));
@@ -263,26 +316,26 @@ static PetscErrorCode LookAboveKnown(Search *s, PetscReal started, PetscReal lim
   MpmProgram         *p     = s->is_part ? &s->part : s->program;
   const MpmProbe     *alike = p->alike;
   MpmSpectrum        *spectrum;
-  Mat                 A;
+  MpmProbed           above;
 
   PetscFunctionBegin;
   if (!(limit > 0) || !isfinite(limit)) PetscFunctionReturn(PETSC_SUCCESS);
   p->alike = NULL;
-  if (!s->polynomial.n) {
+  if (!s->place[0].n) {
     PetscCall(LookAbove(p, started, limit, c));
   } else {
     PetscCall(MpmStepperSet(p->stepper, c->name, limit * (1 + BESIDE)));
     PetscCall(MpmProgramPrepare(p));
-    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, s->polynomial.unread.apart, &p->certificates));
-    PetscCall(MpmCertifyRepeat(&p->probe, s->polynomial.unread.apart, &p->certificates));
+    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, s->place[0].unread.apart, &p->certificates));
+    PetscCall(MpmCertifyRepeat(&p->probe, s->place[0].unread.apart, &p->certificates));
     if (!c->why) c->why = Fault(p);
-    PetscCall(MpmDtPolynomialMatrix(&s->polynomial, limit * (1 + BESIDE), &A));
-    PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, NULL, p->request, started, &spectrum));
-    p->unread = s->polynomial.unread;
+    PetscCall(MpmDtPolynomialAt(&s->place[0], limit * (1 + BESIDE), &above));
+    PetscCall(MpmSpectrumOfMatrix(p->stepper->name, above.A, p->probe.steps, NULL, p->request, started, &spectrum));
+    p->unread = s->place[0].unread;
     PetscCall(MpmCarriersFind(p, spectrum, &c->carriers));
     p->unread = (MpmUnread){.n = 0};
     PetscCall(MpmSpectrumDestroy(&spectrum));
-    PetscCall(MatDestroy(&A));
+    PetscCall(MpmProbedFree(&above));
     PetscCall(MpmProgramForget(p));
   }
   p->alike = alike;
@@ -447,6 +500,7 @@ static PetscInt64 Expected(const MpmProgram *p, const MpmCriticalProgram *c)
 {
   PetscInt64 calls = 2 * NODES * (PetscInt64)p->columns + 8 * (PetscInt64)p->columns + 250, block = p->lattice.sites;
 
+  if (c->motion) return c->motion->n * (2 * NODES * (PetscInt64)p->columns + 7 * 40) + calls;
   if (p->kind != MPM_PROBE_BLOCH || !p->stepper->any_count) return calls;
   for (PetscInt a = 0; a < p->stepper->dim; a++) block *= c->block;
   calls += 2 * NODES * block * p->stepper->width + 150;
@@ -476,7 +530,15 @@ PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
   MpmCheckInput(c->given > 0, "-program_dt %s: it is %g in the code; allowed: a time step above 0", c->name,
                 (double)c->given);
   PetscCall(MpmProgramPrepare(p));
-  if (p->kind == MPM_PROBE_BLOCH && stepper->any_count) c->block = BlockOf(p);
+  if (p->request->program_drift[0].den) {
+    MpmCheckInput(
+        p->kind == MPM_PROBE_BLOCH,
+        "-drift: its cells are not alike (%s), so that it has no waves; allowed: spectrum -drift, at one time step",
+        p->why);
+    PetscCall(PetscNew(&c->motion));
+    PetscCall(MpmMotionBegin(p, c->motion));
+  } else if (p->kind == MPM_PROBE_BLOCH && stepper->any_count)
+    c->block = BlockOf(p);
   c->expected = Expected(p, c);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -493,15 +555,27 @@ PetscErrorCode MpmCriticalProgramFind(MpmProgram *p, PetscReal started, MpmCriti
   PetscCall(MpmStepperExpect(p->stepper, s.unit, c->expected));
   PetscCall(MpmProgramForget(p));
   p->alike = &sizes;
+  s.n      = c->motion ? c->motion->n : 1;
+  PetscCall(PetscCalloc1(s.n, &s.place));
   PetscCall(FindLimit(&s, c->given, BELOW, limit));
-  if (s.polynomial.n) PetscCall(PetscMalloc1(w, &s.given));
-  if (s.given) PetscCall(PetscArraycpy(s.given, s.polynomial.unread.apart, w));
+  if (s.place[0].n) PetscCall(PetscMalloc1(w, &s.given));
+  if (s.given) PetscCall(PetscArraycpy(s.given, s.place[0].unread.apart, w));
   Say(&s);
-  if (bloch && p->stepper->any_count) PetscCall(Parts(&s, started, isfinite(*limit) && *limit > 0 ? *limit : c->given));
+  if (bloch && p->stepper->any_count && !c->motion)
+    PetscCall(Parts(&s, started, isfinite(*limit) && *limit > 0 ? *limit : c->given));
   p->alike = NULL;
   PetscCall(Finish(&s, started, *limit));
-  PetscCall(MpmDtPolynomialDestroy(&s.polynomial));
+  PetscCall(Forget(&s));
+  PetscCall(PetscFree(s.place));
   PetscCall(PetscFree(s.given));
   PetscCall(MpmStepperForgetExpected(p->stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalProgramDestroy(MpmCriticalProgram *c)
+{
+  PetscFunctionBegin;
+  if (c->motion) PetscCall(MpmMotionDestroy(c->motion));
+  PetscCall(PetscFree(c->motion));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

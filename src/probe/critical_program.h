@@ -1,7 +1,7 @@
 /* The largest stable time step of a code that is probed, in the code's own unit of time. */
 #pragma once
-#include "probe/carriers.h"
-#include "probe/program.h"
+#include "probe/motion.h"
+#include "probe/program_growth.h"
 
 /*E
    MpmProgramLimitKind - whose limit it is.
@@ -31,6 +31,7 @@ extern const char *const MpmProgramLimitNames[];
    expected  - the calls that it was going to take, about
    beta, dim - the phase of the wave that limits the interior
    block     - cells of the free block in each direction; site: of the lone particle with the least limit
+   motion    - along which the particles are set, of which the interior alone is sought; NULL: they are at rest
    least     - the kind with the least limit, or MPM_NONE; carriers: the particles that carry its mode, unless it is the
                interior
 S*/
@@ -41,6 +42,7 @@ typedef struct {
   const char *why;
   PetscInt    probes, dim, block, site, least;
   PetscInt64  calls, expected;
+  MpmMotion  *motion;
   MpmCarriers carriers;
 } MpmCriticalProgram;
 
@@ -55,3 +57,4 @@ typedef struct {
 */
 PetscErrorCode MpmCriticalProgramBegin(MpmProgram *program, MpmCriticalProgram *critical);
 PetscErrorCode MpmCriticalProgramFind(MpmProgram *program, PetscReal started, MpmCriticalProgram *critical);
+PetscErrorCode MpmCriticalProgramDestroy(MpmCriticalProgram *critical);

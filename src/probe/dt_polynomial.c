@@ -12,21 +12,21 @@
 static const PetscReal nodes[]  = {1, 0.5, 1.5, 0.75, 1.25, 0.25}; /* times the centre */
 static const PetscReal others[] = {0.35, 1.35};
 
-static void Weights(const MpmDtPolynomial *f, PetscReal dt, PetscReal weight[])
-{
-  for (PetscInt i = 0; i < f->n; i++) {
-    weight[i] = 1;
-    for (PetscInt j = 0; j < f->n; j++)
-      if (j != i) weight[i] *= (dt - f->dt[j]) / (f->dt[i] - f->dt[j]);
-  }
-}
-
 /* Prepares the program for a time step. */
 static PetscErrorCode GoTo(const MpmDtPolynomial *f, PetscReal dt)
 {
   PetscFunctionBegin;
   PetscCall(MpmStepperSet(f->program->stepper, f->name, dt));
   PetscCall(MpmProgramPrepare(f->program));
+  if (f->motion) PetscCall(MpmMotionGoTo(f->program, f->motion, f->step));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Leave(const MpmDtPolynomial *f)
+{
+  PetscFunctionBegin;
+  PetscCall(MpmProgramForget(f->program));
+  if (f->motion) PetscCall(MpmMotionReturn(f->program, f->motion));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -45,62 +45,53 @@ static PetscBool Fits(const MpmProgram *p)
 static PetscErrorCode Add(MpmDtPolynomial *f, PetscReal dt, PetscBool *fits)
 {
   MpmProgram *p = f->program;
-  PetscReal   farthest;
+  PetscReal   reach;
 
   PetscFunctionBegin;
   PetscCall(GoTo(f, dt));
   *fits = Fits(p);
-  if (*fits && p->kind == MPM_PROBE_BLOCH) {
-    PetscCall(MpmProbeBlocks(&p->probe, &p->lattice, MpmProbeLatticeMiddle(&p->lattice), p->probe.size,
-                             &f->blocks[f->n], &farthest));
-    if (!f->n) PetscCall(MpmUnreadOfBlocks(&f->blocks[0], p->stepper->width, MpmProgramNoise(p), &f->unread));
-  } else if (*fits) {
+  if (*fits) {
     p->probe.apart = f->given;
-    PetscCall(MpmProgramColumns(p, p->probe.size, &f->A[f->n]));
+    PetscCall(MpmProgramProbe(p, p->probe.size, &f->at[f->n], &reach));
     p->probe.apart = NULL;
-    if (!f->n) PetscCall(MpmUnreadOfMatrix(f->A[0], p->stepper->width, MpmProgramNoise(p), &f->unread));
+    if (!f->n) PetscCall(MpmUnreadFind(&f->at[0], p->stepper->width, MpmProgramNoise(p), &f->unread));
+    f->dt[f->n++] = dt;
   }
-  if (*fits) f->dt[f->n++] = dt;
-  PetscCall(MpmProgramForget(p));
+  PetscCall(Leave(f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The sum of matrices at a time step. */
-static PetscErrorCode Combine(const MpmDtPolynomial *f, const Mat A[], PetscReal dt, Mat *sum)
+/* The sum of operators at a time step, by Lagrange's weights. */
+static PetscErrorCode Combine(const MpmDtPolynomial *f, const MpmProbed at[], PetscReal dt, MpmProbed *sum)
 {
   PetscReal weight[MPM_DT_NODES];
 
   PetscFunctionBegin;
-  Weights(f, dt, weight);
-  PetscCall(MatDuplicate(A[0], MAT_COPY_VALUES, sum));
-  PetscCall(MatScale(*sum, weight[0]));
-  for (PetscInt i = 1; i < f->n; i++) PetscCall(MatAXPY(*sum, weight[i], A[i], DIFFERENT_NONZERO_PATTERN));
+  for (PetscInt i = 0; i < f->n; i++) {
+    weight[i] = 1;
+    for (PetscInt j = 0; j < f->n; j++)
+      if (j != i) weight[i] *= (dt - f->dt[j]) / (f->dt[i] - f->dt[j]);
+  }
+  PetscCall(MpmProbedCombine(f->n, at, weight, sum));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Where nothing can be compared, nothing is known against it. */
 PetscErrorCode MpmDtPolynomialHolds(MpmDtPolynomial *f, PetscReal dt, PetscBool *holds)
 {
   MpmProgram *p = f->program;
-  PetscReal   weight[MPM_DT_NODES], differs = 0;
-  PetscInt64  at;
-  MpmBlocks   blocks;
-  Mat         A;
+  PetscReal   differs;
+  PetscInt64  most;
+  MpmProbed   sum;
 
   PetscFunctionBegin;
   PetscCall(GoTo(f, dt));
-  if (f->A[0]) {
-    PetscCall(Combine(f, f->A, dt, &A));
-    PetscCall(MpmCertifyColumns(&p->probe, A, f->unread.apart, &differs, &at));
-    PetscCall(MatDestroy(&A));
-  } else {
-    Weights(f, dt, weight);
-    PetscCall(MpmBlocksCombine(f->n, f->blocks, weight, &blocks));
-    PetscCall(MpmCertifyBlockColumns(&p->probe, &p->lattice, &blocks, f->unread.apart, &differs));
-    PetscCall(MpmBlocksFree(&blocks));
-  }
+  PetscCall(Combine(f, f->at, dt, &sum));
+  PetscCall(MpmCertifyColumns(&p->probe, &p->lattice, &sum, f->unread.apart, &differs, &most));
+  PetscCall(MpmProbedFree(&sum));
   PetscCallMPI(MPI_Bcast(&differs, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
-  *holds = differs <= (p->probe.single ? FORETOLD_SINGLE : FORETOLD) ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(MpmProgramForget(p));
+  *holds = differs > (p->probe.single ? FORETOLD_SINGLE : FORETOLD) ? PETSC_FALSE : PETSC_TRUE;
+  PetscCall(Leave(f));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -125,49 +116,35 @@ PetscErrorCode MpmDtPolynomialDestroy(MpmDtPolynomial *f)
 {
   PetscFunctionBegin;
   for (PetscInt i = 0; i < MPM_DT_NODES; i++) {
-    PetscCall(MpmBlocksFree(&f->blocks[i]));
-    PetscCall(MatDestroy(&f->A[i]));
-    PetscCall(MatDestroy(&f->small[i]));
+    PetscCall(MpmProbedFree(&f->at[i]));
+    PetscCall(MpmProbedFree(&f->small[i]));
   }
   f->n = 0;
   PetscCall(MpmUnreadDestroy(&f->unread));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmDtPolynomialBlocks(const MpmDtPolynomial *f, PetscReal dt, MpmBlocks *blocks)
+PetscErrorCode MpmDtPolynomialAt(const MpmDtPolynomial *f, PetscReal dt, MpmProbed *probed)
 {
-  PetscReal weight[MPM_DT_NODES];
-  MpmBlocks all;
+  MpmProbed all;
 
   PetscFunctionBegin;
-  Weights(f, dt, weight);
-  PetscCall(MpmBlocksCombine(f->n, f->blocks, weight, &all));
-  PetscCall(MpmUnreadReduceBlocks(&f->unread, &all, blocks));
-  PetscCall(MpmBlocksFree(&all));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmDtPolynomialMatrix(const MpmDtPolynomial *f, PetscReal dt, Mat *A)
-{
-  Mat all;
-
-  PetscFunctionBegin;
-  PetscCall(Combine(f, f->A, dt, &all));
-  PetscCall(MpmUnreadReduce(&f->unread, all, A));
-  PetscCall(MatDestroy(&all));
+  PetscCall(Combine(f, f->at, dt, &all));
+  PetscCall(MpmProbedReduce(&all, &f->unread, probed));
+  PetscCall(MpmProbedFree(&all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Adds what the operators make of random vectors to a basis, until nothing new comes. */
-static PetscErrorCode Span(PetscInt n, const Mat A[], PetscReal noise, BV basis)
+static PetscErrorCode Span(PetscInt n, const MpmProbed of[], PetscReal noise, BV basis)
 {
   PetscInt  order, size = 0, first, last;
   PetscReal all, norm   = 1;
   Vec       x, y, v;
 
   PetscFunctionBegin;
-  PetscCall(MatGetSize(A[0], &order, NULL));
-  PetscCall(MatCreateVecs(A[0], &x, &y));
+  PetscCall(MatGetSize(of[0].A, &order, NULL));
+  PetscCall(MatCreateVecs(of[0].A, &x, &y));
   PetscCall(VecGetOwnershipRange(x, &first, &last));
   while (size < order && norm > 0) {
     PetscCall(BVGetColumn(basis, size, &v));
@@ -177,7 +154,7 @@ static PetscErrorCode Span(PetscInt n, const Mat A[], PetscReal noise, BV basis)
         PetscCall(VecSetValue(x, i, 2 * MpmHash(91 + n * size + k, i) - 1, INSERT_VALUES));
       PetscCall(VecAssemblyBegin(x));
       PetscCall(VecAssemblyEnd(x));
-      PetscCall(MatMultAdd(A[k], x, v, v));
+      PetscCall(MatMultAdd(of[k].A, x, v, v));
     }
     PetscCall(VecNorm(v, NORM_2, &all));
     PetscCall(BVRestoreColumn(basis, size, &v));
@@ -194,24 +171,24 @@ static PetscErrorCode Span(PetscInt n, const Mat A[], PetscReal noise, BV basis)
 /* What the columns of all operators span holds their eigenvectors, but those of 0. */
 static PetscErrorCode Shrink(MpmDtPolynomial *f)
 {
-  Mat      A[MPM_DT_NODES];
-  PetscInt order, size;
-  Vec      x;
-  BV       basis;
+  MpmProbed at[MPM_DT_NODES];
+  PetscInt  order, size;
+  Vec       x;
+  BV        basis;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < f->n; i++) PetscCall(MpmUnreadReduce(&f->unread, f->A[i], &A[i]));
-  PetscCall(MatGetSize(A[0], &order, NULL));
-  PetscCall(MatCreateVecs(A[0], &x, NULL));
+  for (PetscInt i = 0; i < f->n; i++) PetscCall(MpmProbedReduce(&f->at[i], &f->unread, &at[i]));
+  PetscCall(MatGetSize(at[0].A, &order, NULL));
+  PetscCall(MatCreateVecs(at[0].A, &x, NULL));
   PetscCall(BVCreate(PETSC_COMM_WORLD, &basis));
   PetscCall(BVSetSizesFromVec(basis, x, order));
   PetscCall(BVSetFromOptions(basis));
-  PetscCall(Span(f->n, A, MpmProgramNoise(f->program), basis));
+  PetscCall(Span(f->n, at, MpmProgramNoise(f->program), basis));
   PetscCall(BVGetActiveColumns(basis, NULL, &size));
   for (PetscInt i = 0; i < f->n; i++) {
-    PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, PetscMax(size, 1), PetscMax(size, 1), NULL, &f->small[i]));
-    PetscCall(BVMatProject(basis, A[i], basis, f->small[i]));
-    PetscCall(MatDestroy(&A[i]));
+    PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, PetscMax(size, 1), PetscMax(size, 1), NULL, &f->small[i].A));
+    PetscCall(BVMatProject(basis, at[i].A, basis, f->small[i].A));
+    PetscCall(MpmProbedFree(&at[i]));
   }
   PetscCall(BVDestroy(&basis));
   PetscCall(VecDestroy(&x));
@@ -220,13 +197,13 @@ static PetscErrorCode Shrink(MpmDtPolynomial *f)
 
 PetscErrorCode MpmDtPolynomialLargest(MpmDtPolynomial *f, PetscReal dt, PetscReal value[2])
 {
-  Mat A;
+  MpmProbed sum;
 
   PetscFunctionBegin;
-  if (!f->small[0]) PetscCall(Shrink(f));
-  PetscCall(Combine(f, f->small, dt, &A));
-  PetscCall(MpmDenseLargest(A, value));
-  PetscCall(MatDestroy(&A));
+  if (!f->small[0].A) PetscCall(Shrink(f));
+  PetscCall(Combine(f, f->small, dt, &sum));
+  PetscCall(MpmDenseLargest(sum.A, value));
+  PetscCall(MpmProbedFree(&sum));
   PetscCallMPI(MPI_Bcast(value, 2, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

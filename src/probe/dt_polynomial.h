@@ -4,17 +4,18 @@
    other time steps show whether it is so.
 */
 #pragma once
-#include "probe/program.h"
+#include "probe/motion.h"
 
 #define MPM_DT_NODES 6
 
 /*S
-   MpmDtPolynomial - the operators at n time steps: blocks of a lattice, or matrices A.
+   MpmDtPolynomial - the operators at n time steps.
 
    name   - of the parameter that is the time step
    unread - of the first operator
    small  - of matrices: the operators on the space that their columns span, on every rank. They have the same eigenvalues, but
             for zeros
+   motion - the operators are those of a step of it, number step; NULL: of the base state
    given  - numbers of a particle that are known to be read by nothing, whose columns are not probed; NULL: none
 S*/
 typedef struct {
@@ -22,10 +23,11 @@ typedef struct {
   const char      *name;
   PetscInt         n;
   PetscReal        dt[MPM_DT_NODES];
-  MpmBlocks        blocks[MPM_DT_NODES];
-  Mat              A[MPM_DT_NODES], small[MPM_DT_NODES];
+  MpmProbed        at[MPM_DT_NODES], small[MPM_DT_NODES];
   MpmUnread        unread;
   const PetscBool *given;
+  const MpmMotion *motion;
+  PetscInt         step;
 } MpmDtPolynomial;
 
 /*
@@ -41,9 +43,8 @@ PetscErrorCode MpmDtPolynomialHolds(MpmDtPolynomial *polynomial, PetscReal dt, P
 PetscErrorCode MpmDtPolynomialDestroy(MpmDtPolynomial *polynomial);
 
 /*
-   The operator at a time step, without numbers that nothing reads back: blocks, a matrix, or its eigenvalue of largest abs. Collective; not
-   collective for blocks.
+   MpmDtPolynomialAt - the operator at a time step, without numbers that nothing reads back. MpmDtPolynomialLargest - of a matrix its eigenvalue
+   of largest abs. Collective; the first not for blocks.
 */
-PetscErrorCode MpmDtPolynomialBlocks(const MpmDtPolynomial *polynomial, PetscReal dt, MpmBlocks *blocks);
-PetscErrorCode MpmDtPolynomialMatrix(const MpmDtPolynomial *polynomial, PetscReal dt, Mat *A);
+PetscErrorCode MpmDtPolynomialAt(const MpmDtPolynomial *polynomial, PetscReal dt, MpmProbed *probed);
 PetscErrorCode MpmDtPolynomialLargest(MpmDtPolynomial *polynomial, PetscReal dt, PetscReal value[2]);

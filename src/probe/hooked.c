@@ -11,8 +11,8 @@
 
 void MpmHookedBegin(MpmHooked *h)
 {
-  *h       = (MpmHooked){.dim = 0};
-  h->moved = h->repeat = h->two_steps = h->one_sided = h->two_sizes = h->additivity = h->unsettled = NAN;
+  *h = (MpmHooked){.dim = 0};
+  for (int i = 0; i < MPM_CERTIFICATES; i++) h->value[i] = NAN;
 }
 
 /* Reads the numbers of a text: -1 if something else is in it, or more than so many. */
@@ -91,13 +91,13 @@ PetscErrorCode MpmHookedTake(const char comment[], MpmHooked *h, const char **wr
               {"single", SWITCH, 1, offsetof(MpmHooked, single)},
               {"size", NOT_NEGATIVE, 1, offsetof(MpmHooked, size)},
               {"cell_width", NOT_NEGATIVE, 1, offsetof(MpmHooked, cell_width)},
-              {"moved", CERTIFICATE, 1, offsetof(MpmHooked, moved)},
-              {"repeat", CERTIFICATE, 1, offsetof(MpmHooked, repeat)},
-              {"two_steps", CERTIFICATE, 1, offsetof(MpmHooked, two_steps)},
-              {"one_sided", CERTIFICATE, 1, offsetof(MpmHooked, one_sided)},
-              {"two_sizes", CERTIFICATE, 1, offsetof(MpmHooked, two_sizes)},
-              {"additivity", CERTIFICATE, 1, offsetof(MpmHooked, additivity)},
-              {"unsettled", CERTIFICATE, 1, offsetof(MpmHooked, unsettled)}};
+              {"moved", CERTIFICATE, 1, offsetof(MpmHooked, value[MPM_CERTIFY_EQUILIBRIUM])},
+              {"repeat", CERTIFICATE, 1, offsetof(MpmHooked, value[MPM_CERTIFY_REPEAT])},
+              {"two_steps", CERTIFICATE, 1, offsetof(MpmHooked, value[MPM_CERTIFY_COMPOSED])},
+              {"one_sided", CERTIFICATE, 1, offsetof(MpmHooked, value[MPM_CERTIFY_ONE_SIDED])},
+              {"two_sizes", CERTIFICATE, 1, offsetof(MpmHooked, value[MPM_CERTIFY_SIZES])},
+              {"additivity", CERTIFICATE, 1, offsetof(MpmHooked, value[MPM_CERTIFY_ADDITIVITY])},
+              {"unsettled", CERTIFICATE, 1, offsetof(MpmHooked, value[MPM_CERTIFY_SCALES])}};
   PetscReal   number[MPM_MAX_DIM];
   const char *text;
   PetscInt    i = 0, n;
@@ -140,23 +140,19 @@ PetscErrorCode MpmHookedFree(MpmHooked *h)
 /* What steps from the same state differ by is felt by an entry over the size of the perturbations. */
 PetscErrorCode MpmHookedCertificates(MPI_Comm comm, const MpmHooked *h, PetscReal tolerance, MpmCertificates *c)
 {
-  const PetscReal size   = h->size > 0 ? h->size : 1;
-  PetscReal       said[] = {h->moved,      h->repeat / size, h->one_sided, h->two_sizes,
-                            h->additivity, h->single,        h->unsettled, h->two_steps / size};
-  PetscBool       single;
+  PetscReal value[MPM_CERTIFICATES + 1];
+  PetscBool single;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Bcast(said, sizeof said / sizeof *said, MPIU_REAL, 0, comm));
-  single = said[5] > 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscCall(PetscArraycpy(value, h->value, MPM_CERTIFICATES));
+  value[MPM_CERTIFICATES] = h->single;
+  for (MpmCertificate which = MPM_CERTIFY_REPEAT; which <= MPM_CERTIFY_COMPOSED; which++)
+    if (h->size > 0) value[which] /= h->size;
+  PetscCallMPI(MPI_Bcast(value, MPM_CERTIFICATES + 1, MPIU_REAL, 0, comm));
+  single = value[MPM_CERTIFICATES] > 0 ? PETSC_TRUE : PETSC_FALSE;
   MpmCertificatesBegin(single, single ? PetscMax(tolerance, MPM_TOLERANCE_SINGLE) : tolerance, c);
-  c->value[MPM_CERTIFY_EQUILIBRIUM] = said[0];
-  c->value[MPM_CERTIFY_REPEAT]      = said[1];
-  c->value[MPM_CERTIFY_ONE_SIDED]   = said[2];
-  c->value[MPM_CERTIFY_SIZES]       = said[3];
-  c->value[MPM_CERTIFY_ADDITIVITY]  = said[4];
-  c->value[MPM_CERTIFY_SCALES]      = said[6];
-  c->value[MPM_CERTIFY_COMPOSED]    = said[7];
-  c->nfields                        = h->nfields; /* for the first rank, which reports */
+  PetscCall(PetscArraycpy(c->value, value, MPM_CERTIFICATES));
+  c->nfields = h->nfields; /* for the first rank, which reports */
   PetscCall(PetscArraycpy(c->field, h->field, h->nfields));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

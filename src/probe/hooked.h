@@ -18,12 +18,11 @@
 #define MPM_HOOKED_NUMBERS 1024 /* of a particle whose scales are kept */
 
 /*S
-   MpmHooked - certificates that are not said are NaN, other numbers 0. x: the places, MPM_MAX_DIM numbers a particle, of
+   MpmHooked - value: of certificates, NaN of those that are not said; other numbers are then 0. x: the places, MPM_MAX_DIM numbers a particle, of
    which the file has place_dim. given: which comments were there.
 S*/
 typedef struct {
-  PetscReal moved, repeat, two_steps, one_sided, two_sizes, additivity, unsettled, size, single, numbers, cell_width,
-      period[MPM_MAX_DIM], steps;
+  PetscReal  value[MPM_CERTIFICATES], size, single, numbers, cell_width, period[MPM_MAX_DIM], steps;
   PetscInt   dim, place_dim;
   unsigned   given;
   PetscInt64 places, room, scales;

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#define PHASES 12   /* at which two operators are compared */
 #define BESIDE 1e-4 /* sites of a cell are farther apart, in cell widths */
 
 /* ---- the lattice ---- */
@@ -311,47 +310,6 @@ PetscErrorCode MpmProbeBlocks(MpmProbe *p, const MpmProbeLattice *l, PetscInt ce
 }
 
 /* ---- what blocks give ---- */
-
-/* Adds weight e^(-i beta.d) A_d of all blocks to a matrix, real and imaginary parts one after another. */
-static void AddAt(const MpmBlocks *b, PetscReal weight, const PetscReal beta[], PetscReal sum[])
-{
-  const PetscInt square = b->size * b->size;
-
-  for (PetscInt k = 0; k < b->n; k++) {
-    const PetscReal *A     = b->A + (size_t)k * square;
-    PetscReal        angle = 0, re, im;
-
-    for (PetscInt a = 0; a < b->dim; a++) angle += beta[a] * b->d[k * b->dim + a];
-    re = weight * cos(angle);
-    im = -weight * sin(angle);
-    for (PetscInt e = 0; e < square; e++) {
-      sum[e] += re * A[e];
-      sum[square + e] += im * A[e];
-    }
-  }
-}
-
-PetscErrorCode MpmProbeBlocksDistance(const MpmBlocks *one, const MpmBlocks *other, PetscReal *distance)
-{
-  const PetscInt numbers = 2 * one->size * one->size;
-  PetscReal     *differ, largest = 0;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(numbers, &differ));
-  for (PetscInt i = 0; i < PHASES; i++) {
-    PetscReal beta[MPM_MAX_DIM], sum = 0;
-
-    for (PetscInt a = 0; a < MPM_MAX_DIM; a++) beta[a] = 2 * PETSC_PI * MpmHash(3, i * MPM_MAX_DIM + a);
-    PetscCall(PetscArrayzero(differ, numbers));
-    AddAt(one, 1, beta, differ);
-    AddAt(other, -1, beta, differ);
-    for (PetscInt e = 0; e < numbers; e++) sum += PetscSqr(differ[e]);
-    largest = PetscMax(largest, sum);
-  }
-  *distance = sqrt(largest);
-  PetscCall(PetscFree(differ));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 /* The cell from which block k reaches a cell, or MPM_NONE beyond an edge. */
 static PetscInt From(const MpmProbeLattice *l, PetscInt dim, const PetscInt d[], PetscInt cell)

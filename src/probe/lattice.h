@@ -72,9 +72,6 @@ PetscErrorCode MpmProbeBlocksMatrix(const MpmProbe *probe, const MpmProbeLattice
                                     Mat *A);
 void           MpmProbeLatticeAt(const void *lattice, PetscInt64 particle, PetscInt64 cell[], PetscInt *site);
 
-/* Not collective. The largest Frobenius norm of the difference of two operators, given by their blocks, at some phases. */
-PetscErrorCode MpmProbeBlocksDistance(const MpmBlocks *one, const MpmBlocks *other, PetscReal *distance);
-
 /*
    MpmProbeBlocksCompare - compares a response with what the blocks give, in all cells that no edge can have touched.
 

@@ -1,5 +1,6 @@
 /* A code in uniform motion. */
 #include "probe/motion.h"
+#include "analysis/worst_phase.h"
 #include "linalg/small_eigen.h"
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -11,15 +12,22 @@
 /* The Courant number of the fastest long wave along a direction. */
 static PetscErrorCode FindCourant(MpmProgram *p, PetscInt axis, PetscReal *courant)
 {
-  PetscReal     beta[MPM_MAX_DIM] = {0};
-  MpmBlocks     blocks;
-  MpmSource     source;
-  MpmSmallEigen eigen;
-  PetscInt      exponent;
+  const MpmProbeKind kind              = p->kind;
+  PetscReal          beta[MPM_MAX_DIM] = {0};
+  MpmProbed          probed;
+  MpmSource          source;
+  MpmSmallEigen      eigen;
+  PetscInt           exponent;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgramBlocks(p, &blocks, NULL));
-  PetscCall(MpmBlocksSource(&blocks, p->stepper->name, &source));
+  MpmCheckInput(
+      !p->why[0],
+      "-mach: the speed of its long waves is known of cells that are alike, and they are not (%s); allowed: -drift",
+      p->why);
+  p->kind = MPM_PROBE_BLOCH;
+  PetscCall(MpmProgramOperator(p, &probed, NULL));
+  p->kind = kind;
+  PetscCall(MpmBlocksSource(&probed.blocks, p->stepper->name, &source));
   PetscCall(MpmSmallEigenCreate(source.size, &eigen));
   beta[axis] = LONG;
   PetscCall(MpmSourceMatrix(&source, beta, eigen.matrix, &exponent));
@@ -29,7 +37,7 @@ static PetscErrorCode FindCourant(MpmProgram *p, PetscInt axis, PetscReal *coura
     if (cabs(eigen.value[i]) > 0.5) *courant = PetscMax(*courant, fabs(carg(eigen.value[i])) / LONG);
   PetscCallMPI(MPI_Bcast(courant, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscCall(MpmSmallEigenDestroy(&eigen));
-  PetscCall(MpmBlocksFree(&blocks));
+  PetscCall(MpmProbedFree(&probed));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -64,18 +72,27 @@ PetscErrorCode MpmMotionBegin(MpmProgram *p, MpmMotion *m)
         name, MPM_MOTION_LONGEST);
   }
   m->n = (PetscInt)steps;
+  PetscCall(PetscMalloc1(p->stepper->particles * p->stepper->width, &m->start));
+  PetscCall(PetscArraycpy(m->start, p->stepper->base, p->stepper->particles * p->stepper->width));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- the steps ---- */
 
-/* Sets the particles to their places after n steps, in cells less whole ones; the cells stay those of the start. */
-static PetscErrorCode GoTo(MpmProgram *p, const MpmMotion *m, const PetscReal start[], PetscInt n)
+PetscErrorCode MpmMotionReturn(MpmProgram *p, const MpmMotion *m)
+{
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(p->stepper->base, m->start, p->stepper->particles * p->stepper->width));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* In cells less whole ones; the cells stay those of the start. */
+PetscErrorCode MpmMotionGoTo(MpmProgram *p, const MpmMotion *m, PetscInt n)
 {
   MpmStepper *s = p->stepper;
 
   PetscFunctionBegin;
-  PetscCall(PetscArraycpy(s->base, start, s->particles * s->width));
+  PetscCall(MpmMotionReturn(p, m));
   for (PetscInt a = 0; a < s->dim; a++) {
     PetscInt64 whole;
     PetscReal  part;
@@ -92,8 +109,7 @@ static PetscErrorCode GoTo(MpmProgram *p, const MpmMotion *m, const PetscReal st
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Numbers that nothing reads at any place stay set apart. */
-static void Join(const MpmUnread *one, MpmUnread *all)
+void MpmMotionJoin(const MpmUnread *one, MpmUnread *all)
 {
   all->n = 0;
   for (PetscInt c = 0; c < all->width; c++) {
@@ -113,97 +129,114 @@ static void Worse(const MpmCertificates *one, MpmCertificates *all)
     }
 }
 
-/* The blocks of a place with one size of perturbations; all unknowns are kept until it is known which are set apart. */
-static PetscErrorCode Step(MpmProgram *p, PetscReal size, MpmBlocks *blocks, PetscReal *farthest)
-{
-  PetscReal far;
-
-  PetscFunctionBegin;
-  PetscCall(MpmProbeBlocks(&p->probe, &p->lattice, MpmProbeLatticeMiddle(&p->lattice), size, blocks, &far));
-  *farthest = PetscMax(*farthest, far);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Reduce(const MpmUnread *unread, MpmBlocks *blocks)
-{
-  MpmBlocks all = *blocks;
-
-  PetscFunctionBegin;
-  PetscCall(MpmUnreadReduceBlocks(unread, &all, blocks));
-  PetscCall(MpmBlocksFree(&all));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The certificates of a place, given what is set apart. */
-static PetscErrorCode Certify(MpmProgram *p, MpmMotion *m, PetscInt n, MpmCertificates *all, PetscReal *farthest)
-{
-  MpmCertificates *c = &p->certificates;
-  MpmBlocks        kept[2];
-
-  PetscFunctionBegin;
-  PetscCall(Step(p, p->probe.other, &m->other[n], farthest));
-  PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, c));
-  PetscCall(MpmUnreadReduceBlocks(&p->unread, &m->one[n], &kept[0]));
-  PetscCall(MpmUnreadReduceBlocks(&p->unread, &m->other[n], &kept[1]));
-  PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &m->one[n], &kept[0], &kept[1], p->unread.apart, c));
-  for (int k = 0; k < 2; k++) PetscCall(MpmBlocksFree(&kept[k]));
-  c->value[MPM_CERTIFY_REACH] = *farthest;
-  if (!n) *all = *c;
-  Worse(c, all);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmMotionFind(MpmProgram *p, MpmMotion *m)
 {
-  MpmStepper      *s = p->stepper;
-  const PetscInt64 n = s->particles * s->width;
-  PetscReal       *start, farthest = 0;
-  MpmCertificates  all;
-  MpmUnread        unread;
+  MpmStepper     *s        = p->stepper;
+  PetscReal       farthest = NAN, reach;
+  MpmCertificates all;
+  MpmUnread       unread;
+  MpmProbed       kept;
 
   PetscFunctionBegin;
   PetscCall(MpmUnreadDestroy(&p->unread)); /* of the start alone */
   PetscCall(MpmStepperExpect(s, "calls", m->n * (4 * (PetscInt64)p->columns + 40)));
-  PetscCall(PetscMalloc1(n, &start));
-  PetscCall(PetscArraycpy(start, s->base, n));
   for (PetscInt k = 0; k < m->n; k++) {
-    PetscCall(GoTo(p, m, start, k));
-    PetscCall(Step(p, p->probe.size, &m->one[k], &farthest));
-    PetscCall(MpmUnreadOfBlocks(&m->one[k], s->width, MpmProgramNoise(p), k ? &unread : &p->unread));
+    PetscCall(MpmMotionGoTo(p, m, k));
+    PetscCall(MpmProgramProbe(p, p->probe.size, &m->probed[0][k], &reach));
+    farthest = fmax(farthest, reach);
+    PetscCall(MpmUnreadFind(&m->probed[0][k], s->width, MpmProgramNoise(p), k ? &unread : &p->unread));
     if (!k) continue;
-    Join(&unread, &p->unread);
+    MpmMotionJoin(&unread, &p->unread);
     PetscCall(MpmUnreadDestroy(&unread));
   }
   for (PetscInt k = 0; k < m->n; k++) {
-    PetscCall(GoTo(p, m, start, k));
-    PetscCall(Certify(p, m, k, &all, &farthest));
-    PetscCall(Reduce(&p->unread, &m->one[k]));
-    PetscCall(Reduce(&p->unread, &m->other[k]));
+    PetscCall(MpmMotionGoTo(p, m, k));
+    PetscCall(MpmProbedReduce(&m->probed[0][k], &p->unread, &kept));
+    PetscCall(MpmProgramCertify(p, &m->probed[0][k], &kept, &m->probed[1][k], &reach));
+    PetscCall(MpmProbedFree(&m->probed[0][k]));
+    m->probed[0][k]                          = kept;
+    farthest                                 = fmax(farthest, reach);
+    p->certificates.value[MPM_CERTIFY_REACH] = farthest;
+    if (!k) all = p->certificates;
+    Worse(&p->certificates, &all);
+    for (int size = 0; size < 2; size++) m->blocks[size][k] = m->probed[size][k].blocks;
   }
   p->certificates = all;
   p->probe.steps  = m->n;
-  PetscCall(PetscArraycpy(s->base, start, n));
-  PetscCall(PetscFree(start));
+  PetscCall(MpmMotionReturn(p, m));
   PetscCall(MpmStepperForgetExpected(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+/* ---- what is made of them ---- */
 
 PetscErrorCode MpmMotionSource(const MpmMotion *m, PetscBool other, const char name[], MpmBlocksSteps *steps,
                                MpmSource *source)
 {
   PetscFunctionBegin;
-  *steps = (MpmBlocksSteps){.n = m->n, .step = other ? m->other : m->one};
+  *steps = (MpmBlocksSteps){.n = m->n, .step = m->blocks[other]};
   PetscCall(MpmBlocksSourceOfSteps(steps, name, source));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMotionJudgeWaves(MpmProgram *p, MpmMotion *m, const PetscInt phases[], PetscReal beta[],
+                                   MpmFinding *f)
+{
+  MpmBlocksSteps  steps;
+  MpmSource       source;
+  MpmSourceGrowth at, other;
+
+  PetscFunctionBegin;
+  PetscCall(MpmMotionFind(p, m));
+  PetscCall(MpmMotionSource(m, PETSC_FALSE, p->stepper->name, &steps, &source));
+  PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, phases, beta, &at));
+  PetscCall(MpmMotionSource(m, PETSC_TRUE, p->stepper->name, &steps, &source));
+  PetscCall(MpmSourceGrowthAt(&source, beta, &other));
+  *f = (MpmFinding){.growth = at.growth, .tolerance = p->tolerance};
+  (void)snprintf(f->evidence, sizeof f->evidence,
+                 "the symbol of a period of %" PetscInt_FMT " places, sought over all waves", m->n);
+  PetscCall(MpmProgramJudge(p, other.growth, at.condition, f));
+  PetscCall(MpmMotionForget(m));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMotionMatrix(MpmProgram *p, const MpmMotion *m, PetscBool other, Mat *product)
+{
+  Mat step, next;
+
+  PetscFunctionBegin;
+  *product = NULL;
+  for (PetscInt k = 0; k < m->n; k++) {
+    step = m->probed[other][k].A;
+    if (step)
+      PetscCall(PetscObjectReference((PetscObject)step));
+    else /* what goes around a period belongs to the operator */
+      PetscCall(MpmProbeBlocksMatrix(&p->probe, &p->lattice, &m->blocks[other][k], &step));
+    if (!m->probed[other][k].A) p->certificates.value[MPM_CERTIFY_REACH] = NAN;
+    next = step;
+    if (*product) {
+      PetscCall(MatMatMult(step, *product, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &next));
+      PetscCall(MatDestroy(&step));
+      PetscCall(MatDestroy(product));
+    }
+    *product = next;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmMotionForget(MpmMotion *m)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < m->n; k++)
+    for (int size = 0; size < 2; size++) PetscCall(MpmProbedFree(&m->probed[size][k]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmMotionDestroy(MpmMotion *m)
 {
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < m->n; k++) {
-    PetscCall(MpmBlocksFree(&m->one[k]));
-    PetscCall(MpmBlocksFree(&m->other[k]));
-  }
+  PetscCall(MpmMotionForget(m));
+  PetscCall(PetscFree(m->start));
   m->n = 0;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

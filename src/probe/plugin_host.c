@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #define SAID 400 /* bytes of what a library says that stand in a failure */
+#define BATCH 64 /* states that may come in one request, and are stepped one after another */
 
 /* numbers: of the base state; room: of state. */
 typedef struct {
@@ -79,10 +80,13 @@ static int Open(Host *h, const char path[])
          Find(h, "mpmstab_step", &h->step);
 }
 
-/* The size of the state, from the description; 0 when the description is wrong, which its reader says. */
-static void TakeSize(Host *h, const char line[])
+/*
+   Takes the size of the state from the description, 0 when that is wrong, which its reader says; and writes it as one line, with the
+   states that may come in one request. What is no JSON goes as it is: its reader says so.
+*/
+static void WriteDescription(Host *h, const char text[])
 {
-  json_t *description = json_loads(line, 0, NULL), *field;
+  json_t *description = json_loads(text, 0, NULL), *field;
   size_t  f;
 
   h->particles = (size_t)json_integer_value(json_object_get(description, "particles"));
@@ -90,26 +94,30 @@ static void TakeSize(Host *h, const char line[])
   json_array_foreach (json_object_get(description, "fields"), f, field) {
     h->width += (size_t)json_integer_value(json_object_get(field, "size"));
   }
+  if (!json_is_object(description)) {
+    for (const char *c = text; *c; c++) (void)fputc(*c == '\n' || *c == '\r' ? ' ' : *c, h->out);
+  } else {
+    if (!json_object_get(description, "batch")) (void)json_object_set_new(description, "batch", json_integer(BATCH));
+    (void)json_dumpf(description, h->out, JSON_COMPACT | JSON_REAL_PRECISION(17));
+  }
+  (void)fputc('\n', h->out);
   json_decref(description);
 }
 
-/* The description becomes one line: outside its words, where a line cannot end, JSON takes a blank for the end of a line. */
 static void Describe(Host *h, const char path[])
 {
   const double *state = NULL;
-  const char   *line;
+  const char   *text;
 
   if (!h->library && !Open(h, path)) return;
-  line = h->describe(&state);
-  if (!line)
+  text = h->describe(&state);
+  if (!text)
     Fail(h, "describe: %.*s", SAID, Said(h));
   else if (!state)
     Fail(h, "describe gives no base state");
   else {
-    for (const char *c = line; *c; c++) (void)fputc(*c == '\n' || *c == '\r' ? ' ' : *c, h->out);
-    (void)fputc('\n', h->out);
+    WriteDescription(h, text);
     (void)fflush(h->out); /* what it says of a state may not be so */
-    TakeSize(h, line);
     (void)fwrite(state, sizeof *state, h->particles * h->width, h->out);
   }
 }
@@ -129,11 +137,13 @@ static void Set(Host *h, json_t *message)
   }
 }
 
-/* Returns whether the state has come and there is memory for it. */
+/* Returns whether the states have come and there is memory for them. */
 static int Step(Host *h, const json_t *message)
 {
-  const json_t *given     = json_object_get(message, "particles");
-  const size_t  particles = given ? (size_t)json_integer_value(given) : h->particles, n = particles * h->width;
+  const json_t *given = json_object_get(message, "particles"), *many = json_object_get(message, "states");
+  const size_t  particles = given ? (size_t)json_integer_value(given) : h->particles, one = particles * h->width;
+  const size_t  n     = one * (many ? (size_t)json_integer_value(many) : 1);
+  const int     steps = (int)json_integer_value(json_object_get(message, "steps"));
 
   if (n > h->room) {
     free(h->state);
@@ -141,16 +151,17 @@ static int Step(Host *h, const json_t *message)
     h->room  = n;
   }
   if (!h->state || fread(h->state, sizeof *h->state, n, h->in) != n) return 0;
-  if (json_is_true(json_object_get(message, "reset"))) {
-    if (!Find(h, "mpmstab_reset", &h->reset)) return 1;
-    h->reset();
-  }
-  if (h->step((int)json_integer_value(json_object_get(message, "steps")), (int64_t)particles, h->state))
+  for (size_t at = 0; at < n; at += one) {
+    if (json_is_true(json_object_get(message, "reset"))) {
+      if (!h->reset && !Find(h, "mpmstab_reset", &h->reset)) return 1;
+      h->reset();
+    }
+    if (!h->step(steps, (int64_t)particles, h->state + at)) continue;
     Fail(h, "step: %.*s", SAID, Said(h));
-  else {
-    (void)fputs("{}\n", h->out);
-    (void)fwrite(h->state, sizeof *h->state, n, h->out);
+    return 1;
   }
+  (void)fputs("{}\n", h->out);
+  (void)fwrite(h->state, sizeof *h->state, n, h->out);
   return 1;
 }
 

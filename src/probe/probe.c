@@ -2,6 +2,8 @@
 #include "probe/probe.h"
 #include "base/hash.h"
 #include <mpmstab/errors.h>
+#include <mpmstab_scales.h>
+#include <float.h>
 #include <math.h>
 
 #define SIZES 5
@@ -11,6 +13,8 @@
 #define NEAR_SINGLE 3e-5 /* of states that are floats */
 #define SMALL 1e-3       /* up to this size, in scales, a response should not depend on the size of its perturbation */
 #define SMALL_SINGLE 0.01
+#define SCALES_SIZE 7.62939453125e-06 /* of perturbations that find scales: 2^-17, and 2^-5 of floats */
+#define SCALES_SIZE_SINGLE 0.03125
 #define MOST_NUMBERS 10000000 /* of states that are made at a time */
 
 /*
@@ -53,7 +57,7 @@ static PetscBool HasShifted(const MpmStepper *s, PetscReal near, const PetscReal
 }
 
 /* The state asked about has no simple numbers, as a state at rest has. */
-PetscErrorCode MpmProbeAnswersFloats(MpmProbe *p, PetscReal state[])
+static PetscErrorCode AnswersFloats(MpmProbe *p, PetscReal state[])
 {
   const MpmStepper *s = p->stepper;
   const PetscInt64  n = s->particles * s->width;
@@ -151,7 +155,7 @@ static PetscErrorCode Perturb(const MpmProbe *p, PetscBool forward, MpmPerturbat
   PetscCall(PetscArraycpy(above, s->base, all));
   if (!forward) PetscCall(PetscArraycpy(below, s->base, all));
   for (PetscInt64 i = 0; i < d->n; i++) {
-    const PetscInt64 j     = d->unknown[i];
+    const PetscInt64 j     = d->unknown ? d->unknown[i] : i;
     const PetscReal  scale = p->scale[j % s->width], at = s->base[j], less = Rounded(p, at - d->amount[i] * scale);
 
     above[j] = Rounded(p, at + d->amount[i] * scale);
@@ -262,6 +266,108 @@ PetscErrorCode MpmProbeRespondFirst(MpmProbe *p, PetscReal response[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- scales: those that are not declared are found by <mpmstab_scales.h> ---- */
+
+static void BeginScales(const MpmStepper *s, PetscBool single, mpmstab_scales *scales)
+{
+  *scales =
+      (mpmstab_scales){.place = s->place, .cell = s->cell_width, .size = single ? SCALES_SIZE_SINGLE : SCALES_SIZE};
+  for (PetscInt f = 0; f < s->nfields; f++) {
+    const MpmStepperField *field = &s->fields[f];
+    PetscReal              value = 0;
+
+    for (PetscInt64 i = 0; i < s->particles; i++)
+      for (PetscInt c = 0; c < field->size; c++)
+        value = PetscMax(value, PetscAbsReal(s->base[i * s->width + field->first + c]));
+    mpmstab_scales_add_(scales, value, field->scale, single ? FLT_EPSILON : DBL_EPSILON);
+  }
+}
+
+static void TakeScales(MpmProbe *p, const mpmstab_scales *scales)
+{
+  MpmStepper *s = p->stepper;
+
+  for (PetscInt f = 0; f < s->nfields; f++)
+    for (PetscInt c = 0; c < s->fields[f].size; c++) p->scale[s->fields[f].first + c] = scales->scale[f];
+}
+
+/* How much each field changes when one is perturbed at random. */
+static PetscErrorCode MeasureField(MpmProbe *p, PetscInt f, PetscReal size, PetscReal change[])
+{
+  const MpmStepper *s = p->stepper;
+  const PetscInt    m = s->fields[f].size;
+  const PetscInt64  n = s->particles * m;
+  PetscInt64       *unknown;
+  PetscReal        *amount, *response;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(n, &unknown, n, &amount, s->particles * s->width, &response));
+  for (PetscInt64 i = 0; i < n; i++) {
+    unknown[i] = i / m * s->width + s->fields[f].first + i % m;
+    amount[i]  = size * (2 * MpmHash(81, i) - 1);
+  }
+  PetscCall(MpmProbeRespond(p, PETSC_FALSE, n, unknown, amount, response));
+  for (PetscInt g = 0; g < s->nfields; g++) {
+    change[g] = 0;
+    for (PetscInt64 i = 0; i < s->particles; i++)
+      for (PetscInt c = s->fields[g].first; c < s->fields[g].first + s->fields[g].size; c++)
+        change[g] = PetscMax(change[g], PetscAbsReal(response[i * s->width + c]) * p->scale[c]);
+  }
+  PetscCall(PetscFree3(unknown, amount, response));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode SearchScales(MpmProbe *p, mpmstab_scales *scales)
+{
+  MpmStepper *s = p->stepper;
+  PetscReal  *state, change[MPM_STEPPER_FIELDS];
+  PetscInt    f;
+
+  PetscFunctionBegin;
+  BeginScales(s, PETSC_FALSE, scales);
+  TakeScales(p, scales);
+  p->steps = s->steps;
+  PetscCall(PetscMalloc1(s->particles * s->width, &state));
+  PetscCall(AnswersFloats(p, state));
+  PetscCall(PetscFree(state));
+  BeginScales(s, p->single, scales);
+  while (!s->failure[0] && (f = mpmstab_scales_next_(scales)) >= 0) {
+    TakeScales(p, scales);
+    PetscCall(MeasureField(p, f, scales->size, change));
+    if (!s->failure[0]) mpmstab_scales_take_(scales, f, change);
+  }
+  if (s->failure[0]) mpmstab_scales_fail_(scales); /* it may have no answer to what it was asked, and yet have others */
+  s->failure[0] = '\0';
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Once for a stepper. */
+static PetscErrorCode FindScales(MpmProbe *p)
+{
+  MpmStepper    *s   = p->stepper;
+  PetscBool      all = PETSC_TRUE;
+  mpmstab_scales scales;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(s->width, &p->scale));
+  BeginScales(s, PETSC_FALSE, &scales);
+  for (PetscInt f = 0; f < s->nfields; f++)
+    if (!scales.given[f]) all = PETSC_FALSE;
+  if (!all) {
+    if (MpmRankOf(PETSC_COMM_WORLD) == 0) PetscCall(SearchScales(p, &scales));
+    PetscCallMPI(MPI_Bcast(scales.scale, MPMSTAB_SCALES_MOST, MPIU_REAL, 0, PETSC_COMM_WORLD));
+    PetscCallMPI(MPI_Bcast(&scales.unsettled, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
+    s->searched  = PETSC_TRUE;
+    s->unsettled = scales.unsettled;
+  }
+  TakeScales(p, &scales);
+  for (PetscInt f = 0; f < s->nfields; f++) {
+    if (!scales.given[f]) s->fields[f].found = PETSC_TRUE;
+    s->fields[f].scale = scales.scale[f];
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* ---- how to perturb ---- */
 
 PetscErrorCode MpmProbeCreate(MpmStepper *s, MpmProbe *p)
@@ -270,7 +376,7 @@ PetscErrorCode MpmProbeCreate(MpmStepper *s, MpmProbe *p)
   *p = (MpmProbe){.stepper = s, .near = NEAR_SINGLE};
   for (PetscInt64 i = 0; i < s->particles * s->width; i++)
     if (s->base[i] != (PetscReal)(float)s->base[i]) p->near = NEAR;
-  PetscCall(MpmProbeScales(p));
+  PetscCall(FindScales(p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -486,7 +592,7 @@ PetscErrorCode MpmProbeBegin(MpmProbe *p, PetscInt longest)
   PetscCall(PetscMalloc1(n, &state));
   p->steps = s->steps;
   if (p->size == 0) {
-    PetscCall(MpmProbeAnswersFloats(p, state));
+    PetscCall(AnswersFloats(p, state));
     p->least = sizes[p->single][SIZES - 1];
     PetscCall(PetscMalloc1(n, &p->first));
     PetscCall(MpmProbeRespondFirst(p, p->first));

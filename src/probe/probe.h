@@ -48,16 +48,9 @@ PetscErrorCode MpmProbeDestroy(MpmProbe *probe);
 void MpmProbeSizesOf(MpmProbe *probe, const MpmProbe *other);
 
 /*
-   MpmProbeScales - takes the scales that the code declares, the cell width for places, and finds the others with a few
-   steps, once for a stepper. Collective; the first rank looks for them. Part of MpmProbeCreate.
-   MpmProbeAnswersFloats - finds out whether all that the code answers are floats. Not collective. state: room for one.
-*/
-PetscErrorCode MpmProbeScales(MpmProbe *probe);
-PetscErrorCode MpmProbeAnswersFloats(MpmProbe *probe, PetscReal state[]);
-
-/*
    MpmProbeRespond - the response to a perturbation: (F(q + d) - F(q - d)) / 2, in scales. d is amount[i] scales of
-   unknown[i], which must be different ones; amount[i] is replaced by what the code's arithmetic makes of it.
+   unknown[i], which must be different ones, or where unknown is NULL of unknown i; amount[i] is replaced by what the code's arithmetic
+   makes of it.
 
    Not collective. response: particles x width numbers. forward: F(q + d) - F(q) instead. MpmProbeRespondAll: to m
    perturbations.

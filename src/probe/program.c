@@ -1,6 +1,6 @@
 /* Starting and probing a code, and how far its operator can be trusted. */
 #include "probe/program.h"
-#include "probe/columns.h"
+#include "base/hash.h"
 #include <mpmstab/operator.h>
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -12,6 +12,7 @@
 #define NOISE_SINGLE 1e-5
 #define ALL_EIGENVALUES 1024 /* of an operator of a lattice up to this order */
 #define FOR_CERTIFICATES 70  /* calls, about */
+#define SO_FAR 200           /* products, even, for a first idea of growth */
 
 /* Adds a number to a field of all particles. */
 static PetscErrorCode ChangeBase(MpmStepper *s, const char name[], PetscReal number)
@@ -177,54 +178,117 @@ PetscReal MpmProgramNoise(const MpmProgram *p)
   return p->probe.single ? NOISE_SINGLE : NOISE;
 }
 
-/* Probes blocks with a size of perturbations, and leaves out what is set apart, which the first ones tell. */
-static PetscErrorCode Blocks(MpmProgram *p, PetscReal size, MpmBlocks *all, MpmBlocks *kept, PetscReal *farthest)
+PetscErrorCode MpmProgramProbe(MpmProgram *p, PetscReal size, MpmProbed *probed, PetscReal *reach)
 {
   PetscFunctionBegin;
-  PetscCall(MpmProbeBlocks(&p->probe, &p->lattice, MpmProbeLatticeMiddle(&p->lattice), size, all, farthest));
-  if (!p->unread.apart) PetscCall(MpmUnreadOfBlocks(all, p->stepper->width, MpmProgramNoise(p), &p->unread));
-  size = (PetscReal)p->lattice.sites * p->unread.n;
-  MpmCheckInput(size <= MPM_BLOCKS_SIZE && size * size * all->n <= MPM_BLOCKS_NUMBERS,
-                "%s: a cell has %.0f unknowns; allowed: up to %d", p->stepper->where, (double)size, MPM_BLOCKS_SIZE);
-  PetscCall(MpmUnreadReduceBlocks(&p->unread, all, kept));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmProgramBlocks(MpmProgram *p, MpmBlocks *one, MpmBlocks *other)
-{
-  MpmBlocks all[2];
-  PetscReal farthest[2];
-
-  PetscFunctionBegin;
-  if (other) PetscCall(MpmStepperExpect(p->stepper, "calls", 4 * (PetscInt64)p->columns + FOR_CERTIFICATES));
-  PetscCall(Blocks(p, p->probe.size, &all[0], one, &farthest[0]));
-  if (other) {
-    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &p->certificates));
-    PetscCall(Blocks(p, p->probe.other, &all[1], other, &farthest[1]));
-    PetscCall(MpmCertifyBlocks(&p->probe, &p->lattice, &all[0], one, other, p->unread.apart, &p->certificates));
-    PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, &p->certificates));
-    p->certificates.value[MPM_CERTIFY_REACH] = PetscMax(farthest[0], farthest[1]);
-    PetscCall(MpmBlocksFree(&all[1]));
-    PetscCall(MpmStepperForgetExpected(p->stepper));
+  *probed = (MpmProbed){.A = NULL};
+  *reach  = NAN;
+  if (p->kind == MPM_PROBE_BLOCH) {
+    PetscCall(MpmProbeBlocks(&p->probe, &p->lattice, MpmProbeLatticeMiddle(&p->lattice), size, &probed->blocks, reach));
+  } else if (p->shell) {
+    PetscCall(MpmProbeShell(&p->probe, size, &probed->A));
+  } else if (p->kind == MPM_PROBE_MATRIX_FREE) {
+    PetscCall(MpmProbeMatrix(&p->probe, size, NULL, &probed->A));
+  } else {
+    PetscCall(MpmProbeMatrix(&p->probe, size, &p->colours, &probed->A));
+    *reach = p->colours.leaks;
   }
-  PetscCall(MpmBlocksFree(&all[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* No certificate looks at columns; two sizes are compared by their products. */
-static PetscErrorCode Shell(MpmProgram *p, Mat *one, Mat *other)
+/* Finds what is set apart, which the first operator tells. */
+static PetscErrorCode FindUnread(MpmProgram *p, const MpmProbed *all)
 {
-  MpmCertificates *c = &p->certificates;
+  const PetscInt w = p->stepper->width;
+  PetscReal      size;
 
   PetscFunctionBegin;
-  p->unread = (MpmUnread){.width = p->stepper->width, .n = p->stepper->width};
-  PetscCall(PetscCalloc1(p->unread.width, &p->unread.apart));
-  PetscCall(MpmProbeShell(&p->probe, p->probe.size, one));
-  if (!other) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, c));
-  PetscCall(MpmProbeShell(&p->probe, p->probe.other, other));
-  PetscCall(MpmProbeShellDistance(*one, *other, &c->value[MPM_CERTIFY_SIZES]));
-  PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, c));
+  if (p->unread.apart) PetscFunctionReturn(PETSC_SUCCESS);
+  if (p->shell) {
+    p->unread = (MpmUnread){.width = w, .n = w};
+    PetscCall(PetscCalloc1(w, &p->unread.apart));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmUnreadFind(all, w, MpmProgramNoise(p), &p->unread));
+  size = (PetscReal)p->lattice.sites * p->unread.n;
+  MpmCheckInput(all->A || (size <= MPM_BLOCKS_SIZE && size * size * all->blocks.n <= MPM_BLOCKS_NUMBERS),
+                "%s: a cell has %.0f unknowns; allowed: up to %d", p->stepper->where, (double)size, MPM_BLOCKS_SIZE);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A shell is kept as it is. */
+static PetscErrorCode Keep(const MpmProgram *p, MpmProbed *all, MpmProbed *kept)
+{
+  PetscFunctionBegin;
+  if (!p->shell) {
+    PetscCall(MpmProbedReduce(all, &p->unread, kept));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *kept = *all;
+  *all  = (MpmProbed){.A = NULL};
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramCertify(MpmProgram *p, const MpmProbed *all, const MpmProbed *one, MpmProbed *other,
+                                 PetscReal *reach)
+{
+  MpmProbed second;
+
+  PetscFunctionBegin;
+  PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &p->certificates));
+  p->probe.apart = p->unread.apart; /* their columns are not looked at any more */
+  PetscCall(MpmProgramProbe(p, p->probe.other, &second, reach));
+  p->probe.apart = NULL;
+  PetscCall(Keep(p, &second, other));
+  PetscCall(MpmCertifyOperator(&p->probe, &p->lattice, all, one, other, p->unread.apart, &p->certificates));
+  PetscCall(MpmProbedFree(&second));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The progress line has the growth so far, about, from the power method. */
+static PetscErrorCode SaySoFar(MpmProgram *p, Mat A)
+{
+  PetscReal norm, growth = 0;
+  PetscInt  first, last;
+  Vec       x[2];
+
+  PetscFunctionBegin;
+  PetscCall(MatCreateVecs(A, &x[0], &x[1]));
+  PetscCall(VecGetOwnershipRange(x[0], &first, &last));
+  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(x[0], i, 2 * MpmHash(52, i) - 1, INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(x[0]));
+  PetscCall(VecAssemblyEnd(x[0]));
+  for (int k = 0; k < SO_FAR; k++) {
+    PetscCall(MatMult(A, x[k % 2], x[1 - k % 2]));
+    PetscCall(VecNormalize(x[1 - k % 2], &norm));
+    if (2 * k >= SO_FAR) growth += log(norm) / (SO_FAR / 2);
+  }
+  (void)snprintf(p->unit, sizeof p->unit, "growth about %.5g so far; calls",
+                 (double)exp(growth / (PetscReal)p->probe.steps));
+  for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&x[k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramOperator(MpmProgram *p, MpmProbed *one, MpmProbed *other)
+{
+  const PetscInt64 calls = p->shell ? 0 : 4 * (PetscInt64)p->columns + FOR_CERTIFICATES;
+  MpmProbed        all;
+  PetscReal        reach[2];
+
+  PetscFunctionBegin;
+  (void)snprintf(p->unit, sizeof p->unit, "calls");
+  if (other && calls) PetscCall(MpmStepperExpect(p->stepper, p->unit, calls));
+  PetscCall(MpmProgramProbe(p, p->probe.size, &all, &reach[0]));
+  PetscCall(FindUnread(p, &all));
+  PetscCall(Keep(p, &all, one));
+  if (other) {
+    if (one->A && !p->shell) PetscCall(SaySoFar(p, one->A));
+    PetscCall(MpmProgramCertify(p, p->shell ? NULL : &all, one, other, &reach[1]));
+    PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, &p->certificates));
+    p->certificates.value[MPM_CERTIFY_REACH] = p->kind == MPM_PROBE_BLOCH ? PetscMax(reach[0], reach[1]) : reach[1];
+    if (calls) PetscCall(MpmStepperForgetExpected(p->stepper));
+  }
+  PetscCall(MpmProbedFree(&all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -240,23 +304,21 @@ static PetscErrorCode ProbeAll(MpmProgram *p, Mat *one, Mat *other)
 }
 
 /* The reach does not matter: what goes around a period belongs to the operator. */
-static PetscErrorCode Circulant(MpmProgram *p, Mat *one, Mat *other)
+static PetscErrorCode Circulant(MpmProgram *p, MpmProbed probed[2], Mat *one, Mat *other)
 {
-  MpmBlocks two;
-
   PetscFunctionBegin;
   PetscCall(MpmBlocksFree(&p->blocks));
-  PetscCall(MpmProgramBlocks(p, &p->blocks, other ? &two : NULL));
+  p->blocks = probed[0].blocks;
   if (other && MpmCertificateFails(&p->certificates, MPM_CERTIFY_COLUMNS)) {
-    PetscCall(MpmBlocksFree(&two));
+    PetscCall(MpmBlocksFree(&probed[1].blocks));
     PetscCall(ProbeAll(p, one, other));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmProbeBlocksMatrix(&p->probe, &p->lattice, &p->blocks, one));
   if (other) {
     p->certificates.value[MPM_CERTIFY_REACH] = NAN;
-    PetscCall(MpmProbeBlocksMatrix(&p->probe, &p->lattice, &two, other));
-    PetscCall(MpmBlocksFree(&two));
+    PetscCall(MpmProbeBlocksMatrix(&p->probe, &p->lattice, &probed[1].blocks, other));
+    PetscCall(MpmBlocksFree(&probed[1].blocks));
   }
   if (p->stepper->particles * p->unread.n <= ALL_EIGENVALUES) PetscFunctionReturn(PETSC_SUCCESS);
   p->cells = (MpmBlochCells){.fields = p->unread.n, .of = &p->lattice, .at = MpmProbeLatticeAt};
@@ -265,46 +327,24 @@ static PetscErrorCode Circulant(MpmProgram *p, Mat *one, Mat *other)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
+{
+  MpmProbed probed[2];
+
+  PetscFunctionBegin;
+  PetscCall(MpmProgramOperator(p, &probed[0], other ? &probed[1] : NULL));
+  if (p->kind == MPM_PROBE_BLOCH) {
+    PetscCall(Circulant(p, probed, one, other));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *one = probed[0].A;
+  if (other) *other = probed[1].A;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 const MpmBlochCells *MpmProgramLattice(const MpmProgram *p)
 {
   return p->cells.fields ? &p->cells : NULL;
-}
-
-PetscErrorCode MpmProgramColumns(MpmProgram *p, PetscReal size, Mat *A)
-{
-  PetscFunctionBegin;
-  if (p->kind == MPM_PROBE_MATRIX_FREE)
-    PetscCall(MpmProbeColumns(&p->probe, size, A));
-  else
-    PetscCall(MpmProbeMatrix(&p->probe, size, &p->colours, A));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmProgramMatrix(MpmProgram *p, Mat *one, Mat *other)
-{
-  Mat A, B;
-
-  PetscFunctionBegin;
-  if (p->shell || p->kind == MPM_PROBE_BLOCH) {
-    PetscCall(p->shell ? Shell(p, one, other) : Circulant(p, one, other));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (other) PetscCall(MpmStepperExpect(p->stepper, "calls", 4 * (PetscInt64)p->columns + FOR_CERTIFICATES));
-  PetscCall(MpmProgramColumns(p, p->probe.size, &A));
-  if (!p->unread.apart) PetscCall(MpmUnreadOfMatrix(A, p->stepper->width, MpmProgramNoise(p), &p->unread));
-  PetscCall(MpmUnreadReduce(&p->unread, A, one));
-  if (other) {
-    PetscCall(MpmCertifyStep(&p->probe, p->tolerance, p->unread.apart, &p->certificates));
-    PetscCall(MpmProgramColumns(p, p->probe.other, &B));
-    PetscCall(MpmUnreadReduce(&p->unread, B, other));
-    PetscCall(MpmCertifyMatrix(&p->probe, &p->colours, A, *one, *other, p->unread.apart, &p->certificates));
-    PetscCall(MpmCertifyRepeat(&p->probe, p->unread.apart, &p->certificates));
-    if (p->kind == MPM_PROBE_MATRIX_FREE) p->certificates.value[MPM_CERTIFY_REACH] = NAN; /* nothing is too far away */
-    PetscCall(MatDestroy(&B));
-    PetscCall(MpmStepperForgetExpected(p->stepper));
-  }
-  PetscCall(MatDestroy(&A));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- verdict ---- */

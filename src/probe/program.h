@@ -2,7 +2,6 @@
 #pragma once
 #include "analysis/modes.h"
 #include "probe/certificates.h"
-#include "probe/unread.h"
 #include "scene/request.h"
 #include "symbol/blocks.h"
 
@@ -24,6 +23,7 @@
    cells        - the same as a lattice of waves; fields is 0 where all eigenvalues are computed without
    columns      - the responses that an operator costs with one size, of two calls each; 0 of a shell, and until they are
                   known
+   unit         - what the progress line counts
 S*/
 typedef struct MpmProgram_ {
   const MpmRequest *request;
@@ -41,6 +41,7 @@ typedef struct MpmProgram_ {
   MpmUnread         unread;
   PetscReal         tolerance;
   PetscInt          columns;
+  char              unit[64];
 } MpmProgram;
 
 /*
@@ -65,24 +66,24 @@ PetscErrorCode MpmProgramRebase(MpmProgram *program, PetscReal size);
 PetscErrorCode MpmProgramAdvance(MpmProgram *program, PetscInt steps);
 
 /*
-   MpmProgramLattice - NULL, or the lattice whose waves tell the eigenvalues of MpmProgramMatrix.
+   MpmProgramProbe - the operator with one size of perturbations, and with all unknowns: blocks where it is probed by Bloch, a shell,
+   or a matrix. reach: what is felt farther away than should be; NaN where nothing is too far.
+   MpmProgramNoise - an entry of the operator up to this is none. Not collective.
 
-   MpmProgramBlocks - the blocks of a lattice, probed with both sizes, without unknowns that are only integrated; takes all
-   certificates. MpmProgramMatrix does the same for the operator of all particles; of a shell nothing is set apart. other NULL: probes with one size and
-   takes no certificate.
+   MpmProgramOperator - the operator with both sizes, without unknowns that are only integrated (of a shell nothing is set apart); takes all
+   certificates. other NULL: probes with one size and takes no certificate. MpmProgramMatrix - does the same; blocks become the
+   matrix of all particles. MpmProgramCertify - the second half of it: given all and kept with one size, probes the operator with the
+   other size, and takes all certificates but repeat. MpmProgramLattice - NULL, or the lattice whose waves tell the eigenvalues of that matrix.
 
-   Collective. Free them with MpmBlocksFree or MatDestroy.
+   Collective. Free them with MpmProbedFree or MatDestroy.
 */
-PetscErrorCode       MpmProgramBlocks(MpmProgram *program, MpmBlocks *one, MpmBlocks *other);
-PetscErrorCode       MpmProgramMatrix(MpmProgram *program, Mat *one, Mat *other);
-const MpmBlochCells *MpmProgramLattice(const MpmProgram *program);
-
-/*
-   MpmProgramColumns - the operator of all particles with one size of perturbations, and with all unknowns. Collective.
-   MpmProgramNoise   - an entry of the operator up to this is none. Not collective.
-*/
-PetscErrorCode MpmProgramColumns(MpmProgram *program, PetscReal size, Mat *A);
+PetscErrorCode MpmProgramProbe(MpmProgram *program, PetscReal size, MpmProbed *probed, PetscReal *reach);
 PetscReal      MpmProgramNoise(const MpmProgram *program);
+PetscErrorCode MpmProgramOperator(MpmProgram *program, MpmProbed *one, MpmProbed *other);
+PetscErrorCode MpmProgramCertify(MpmProgram *program, const MpmProbed *all, const MpmProbed *one, MpmProbed *other,
+                                 PetscReal *reach);
+PetscErrorCode MpmProgramMatrix(MpmProgram *program, Mat *one, Mat *other);
+const MpmBlochCells *MpmProgramLattice(const MpmProgram *program);
 
 /*
    MpmProgramJudge - a finding's verdict by MpmCertificatesJudge. What is set apart counts in its growth. Not collective.

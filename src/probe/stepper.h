@@ -126,19 +126,7 @@ PetscErrorCode MpmStepperForgetExpected(MpmStepper *stepper);
 /* Collective. Refuses, with one message, if any rank's stepper has failed. */
 PetscErrorCode MpmStepperAgree(MpmStepper *stepper);
 
-/*
-   MpmStepperDescribe - fills a stepper from the description of protocol 1, without its base state. What is missing or
-   wrong is the stepper's failure.
-
-   Not collective. Part of MpmStepperStart...
-*/
-PetscErrorCode MpmStepperDescribe(MpmStepper *stepper, const json_t *description);
-
-/*
-   MpmStepperBegin - ends the start of a stepper: checks its base state, and gives all ranks that of the first one.
-
-   Collective. Part of MpmStepperStart...
-*/
+/* Collective. Checks a base state that is new, and gives all ranks that of the first one. */
 PetscErrorCode MpmStepperBegin(MpmStepper *stepper);
 
 /* Not collective. Notes a failure, unless there is one already. */

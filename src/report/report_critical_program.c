@@ -32,6 +32,8 @@ static void PrintMissing(const MpmProgram *p, const MpmCriticalProgram *c)
     MpmPrint(
         "a free block and a lone particle have limits of their own, which may be lower; they are found where cells are "
         "alike and the code takes any number of particles (\"any_count\": true)\n");
+  else if (c->motion)
+    MpmPrint("particles at an edge, or alone, may have lower limits; they are found at rest, without a drift\n");
   else if (!p->stepper->any_count)
     MpmPrint("particles at an edge, or alone, may have lower limits; they are found where the code takes any number of "
              "particles (\"any_count\": true)\n");
@@ -52,6 +54,7 @@ PetscErrorCode MpmCriticalProgramReport(const MpmProgram *p, const MpmCriticalPr
   PetscCall(MpmResultOfFile(p->request, NULL, &result));
   found = MpmResultIn(result, "critical");
   MpmReportProbed(result, p);
+  if (c->motion) MpmReportMotion(MpmResultIn(result, "motion"), c->dim, c->motion);
   MpmPrint("\nlargest stable %s, in the code's own units\n", c->name);
   (void)MpmResultIn(found, "limits");
   for (MpmProgramLimitKind kind = 0; kind < MPM_LIMIT_KINDS; kind++) Limit(found, c, kind);

@@ -2,9 +2,7 @@
 #pragma once
 #include "probe/compare_program.h"
 #include "probe/critical_program.h"
-#include "probe/kinks.h"
 #include "probe/motion.h"
-#include "probe/program_run.h"
 #include "report/report.h"
 
 /* Collective. Before the work: print the code, how it is probed, why, and what that costs; what a search costs. */

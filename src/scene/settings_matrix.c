@@ -119,10 +119,10 @@ static PetscBool IsSaid(const MpmSettings *settings, const char task[], PetscInt
   return settings->source[i] != MPM_FROM_DEFAULT && MpmFieldIsOf(&MpmOptions[i], task) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* A code can be set to the places of a drift. */
+/* A code can be set to the places of a drift, for all that takes its base state. */
 static PetscBool IsMotion(const char source[], const char task[], const char name[])
 {
-  return (!strcmp(source, "program") || !strcmp(source, "plugin")) && !strcmp(task, "symbol") &&
+  return (!strcmp(source, "program") || !strcmp(source, "plugin")) && strcmp(task, "map") &&
                  (!strcmp(name, "drift") || !strcmp(name, "mach"))
              ? PETSC_TRUE
              : PETSC_FALSE;
@@ -180,6 +180,11 @@ static PetscErrorCode ReadMotion(const MpmSettings *settings, MpmRequest *reques
                         settings, name, "allowed: a number or a fraction such as 1/8, or one for each direction");
     for (PetscInt a = n; a < (n ? n + 1 : MPM_MAX_DIM); a++) request->program_drift[a] = number;
   }
+  MpmSettingsRefuseIf(
+      request->at[0] || request->program_run, settings, name,
+      "particles are set along it from where the code describes them; allowed: without at and program_run");
+  MpmSettingsRefuseIf(request->program_mach && !strcmp(request->task, "critical"), settings, name,
+                      "the places would change with the time step; allowed: drift");
   MpmSettingsRefuseIf(request->compare[0], settings, name, "allowed: without compare, which takes the code as it is");
   MpmSettingsRefuseIf(request->write_blocks[0], settings, name,
                       "the blocks are those of one step; allowed: without write_blocks");

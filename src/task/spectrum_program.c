@@ -5,7 +5,6 @@
 #include "task/task.h"
 #include "io/matrix_file.h"
 #include "probe/program_growth.h"
-#include "probe/program_run.h"
 #include "report/report_program.h"
 #include "report/results.h"
 #include <mpmstab/errors.h>
@@ -68,14 +67,34 @@ static PetscErrorCode Keep(States *states, MpmSpectrum *s, json_t *one, PetscInt
 /* Where all particles were probed at once, the blocks of one cell are probed besides. */
 static PetscErrorCode Compare(MpmProgram *p, MpmCompareProgram *compare, json_t *one)
 {
+  const MpmProbeKind kind = p->kind;
+  MpmProbed          probed;
+
   PetscFunctionBegin;
   if (p->kind != MPM_PROBE_BLOCH) {
     PetscCall(MpmUnreadDestroy(&p->unread));
-    PetscCall(MpmProgramBlocks(p, &p->blocks, NULL));
+    p->kind = MPM_PROBE_BLOCH;
+    PetscCall(MpmProgramOperator(p, &probed, NULL));
+    p->kind   = kind;
+    p->blocks = probed.blocks;
   }
   PetscCall(MpmCompareProgramFind(p, &p->blocks, NAN, compare));
   MpmReportCompare(MpmResultIn(one, "comparison"), p, compare);
   PetscCall(MpmCompareProgramDestroy(compare));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The operator of a period is a product, which fills. */
+static PetscErrorCode BeginMotion(MpmProgram *p, MpmMotion *motion)
+{
+  const PetscInt64 order = p->stepper->particles * p->stepper->width;
+
+  PetscFunctionBegin;
+  MpmCheckInput(!p->shell && order <= MPM_MATRIX_ORDER,
+                "-%s: the product of the steps of a period is a full matrix, and there are %" PetscInt64_FMT
+                " unknowns; allowed: up to %d, or symbol, which has all waves of cells that are alike",
+                p->request->program_mach ? "mach" : "drift", order, MPM_MATRIX_ORDER);
+  PetscCall(MpmMotionBegin(p, motion));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -88,13 +107,15 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   MpmCarriers       carriers;
   MpmProbeKind      kind;
   MpmKinks          kinks;
-  json_t           *one = json_object();
+  MpmMotion         motion = {.n = 0};
+  json_t           *one    = json_object();
   Mat               A, B;
 
   PetscFunctionBegin;
   PetscCall(MpmProgramPrepare(p));
   PetscCall(CheckShell(p));
   if (request->compare[0]) PetscCall(MpmCompareProgramBegin(p, &compare));
+  if (request->program_drift[0].den) PetscCall(BeginMotion(p, &motion));
   if (states->most)
     MpmPrint("\n");
   else
@@ -104,10 +125,17 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
              4 * p->lattice.sites * p->stepper->width);
   if (request->at[0]) MpmPrint("the state after %" PetscInt_FMT " steps\n", at);
   kind = p->kind;
-  PetscCall(MpmProgramMatrix(p, &A, &B));
+  if (motion.n) {
+    MpmPrint("  all this at each of %" PetscInt_FMT " places of the drift\n", motion.n);
+    PetscCall(MpmMotionFind(p, &motion));
+    PetscCall(MpmMotionMatrix(p, &motion, PETSC_FALSE, &A));
+    PetscCall(MpmMotionMatrix(p, &motion, PETSC_TRUE, &B));
+  } else
+    PetscCall(MpmProgramMatrix(p, &A, &B));
   if (p->kind != kind) MpmPrint("  the cells look alike and are not: all particles were probed\n");
   PetscCall(CheckShell(p));
   MpmReportProbed(one, p);
+  if (motion.n) MpmReportMotion(MpmResultIn(one, "motion"), p->stepper->dim, &motion);
   PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, MpmProgramLattice(p), request, started, &s));
   PetscCall(MpmProgramJudgeSpectrum(p, B, s));
   PetscCall(MpmCarriersFind(p, s, &carriers));
@@ -115,10 +143,11 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   MpmReportCarriers(one, &carriers);
   MpmResultKeep(one, "%" PetscInt64_FMT "{probing.calls}", p->stepper->calls); /* with those that eigenvalues took */
   if (request->compare[0]) PetscCall(Compare(p, &compare, one));
-  if (MpmCertificatesSwitch(&p->certificates)) {
+  if (!motion.n && MpmCertificatesSwitch(&p->certificates)) {
     PetscCall(MpmKinksFind(p, &kinks));
     MpmReportKinks(one, &kinks);
   }
+  if (motion.n) PetscCall(MpmMotionDestroy(&motion));
   PetscCall(Keep(states, s, one, at));
   PetscCall(MatDestroy(&A));
   PetscCall(MatDestroy(&B));

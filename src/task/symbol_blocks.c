@@ -85,6 +85,8 @@ static PetscErrorCode Judge(const MpmRequest *request, Answer *a)
 /* Blocks from the file, or by probing. */
 static PetscErrorCode GetBlocks(const MpmRequest *request, Answer *a)
 {
+  MpmProbed one, other;
+
   PetscFunctionBegin;
   if (!MpmRequestProbes(request)) {
     PetscCall(MpmBlocksRead(PETSC_COMM_WORLD, request->matrix_blocks, request->matrix_steps, request->tolerance,
@@ -99,11 +101,13 @@ static PetscErrorCode GetBlocks(const MpmRequest *request, Answer *a)
     MpmReportProgram(&a->program);
     MpmPrint("  all this at each of %" PetscInt_FMT " places of the drift\n", a->motion.n);
     PetscCall(MpmMotionFind(&a->program, &a->motion));
-    a->blocks = a->motion.one[0];
+    a->blocks = a->motion.blocks[0][0];
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   MpmReportProgram(&a->program);
-  PetscCall(MpmProgramBlocks(&a->program, &a->blocks, &a->other));
+  PetscCall(MpmProgramOperator(&a->program, &one, &other));
+  a->blocks = one.blocks;
+  a->other  = other.blocks;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -69,6 +69,7 @@ static PetscErrorCode OfProgram(const MpmRequest *request, PetscReal started, Pe
   PetscCall(MpmCriticalProgramReport(&program, &critical, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&request->expect, &critical.finding, missed));
   PetscCall(MpmExpectNumber(&request->expect, MPM_EXPECT_CRITICAL, critical.critical, missed));
+  PetscCall(MpmCriticalProgramDestroy(&critical));
   PetscCall(MpmProgramClose(&program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -459,9 +459,11 @@ static PetscErrorCode ListCodes(void)
   json_array_foreach (codes, c, code) {
     const char *name, *repository, *version, *said, *here, *file, *before = "", *scheme = NULL, *limit = "",
                                                                   *ran = NULL;
+    json_t *defaults                                                   = NULL;
 
-    PetscCheck(!json_unpack(code, "{s:s, s:s, s:s, s:o, s?s, s?s, s?s}", "name", &name, "repository", &repository,
-                            "version", &version, "options", &options, "scheme", &scheme, "limit", &limit, "ran", &ran),
+    PetscCheck(!json_unpack(code, "{s:s, s:s, s:s, s:o, s?o, s?s, s?s, s?s}", "name", &name, "repository", &repository,
+                            "version", &version, "options", &options, "defaults", &defaults, "scheme", &scheme, "limit",
+                            &limit, "ran", &ran),
                PETSC_COMM_SELF, PETSC_ERR_PLIB, "codes.json: code %zu", c);
     MpmPrint("  %s: %s, commit %s\n", name, repository, version);
     json_array_foreach (options, o, option) {
@@ -470,6 +472,11 @@ static PetscErrorCode ListCodes(void)
       if (strcmp(before, file)) MpmPrint("    %s\n", file);
       before = file;
       MpmPrint("      %-44s %s\n", said, here);
+    }
+    json_array_foreach (defaults, o, option) {
+      PetscCheck(!json_unpack(option, "[s, s, s]", &said, &here, &file), PETSC_COMM_SELF, PETSC_ERR_PLIB,
+                 "codes.json: %s, default %zu", name, o);
+      MpmPrint("    by default: %-9s %s (%s)\n", said, here, file);
     }
     if (ran) MpmPrint("    run here: %s\n", ran);
     if (scheme) MpmPrint("    limit %s: mpmstab critical %s\n", limit, scheme);
@@ -516,7 +523,9 @@ static const struct {
      "public codes: their options, what those are here, and the file that says so; for what runs by default, the\n"
      "largest stable c dt / h in one dimension, two particles a cell, at rest, and what prints it. A code without the "
      "line\n"
-     "'run here' was only read",
+     "'run here' was only read. By default: its damping, its artificial or material viscosity and its time step, with "
+     "the\n"
+     "file and the line that say so at this commit; a file without a line was searched and has none",
      ListCodes, PETSC_TRUE}};
 
 /* A list by its name, or by its plural as in 'list formulations'. */

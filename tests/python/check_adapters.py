@@ -4,6 +4,7 @@
 check_adapters.py CC MPMSTAB, in a folder that may be filled. It prints which languages are not there. Before it is filled in
 an adapter answers nothing but an error that names the place.
 """
+import json
 import os
 import pathlib
 import shutil
@@ -108,6 +109,37 @@ def check_language(language, expected):
     check(matrix.shape == expected.shape, f"{language}: {matrix.shape}, expected {expected.shape}")
     apart = numpy.max(numpy.abs(matrix - expected))
     check(apart <= 1e-9, f"{language}: the operator of the filled adapter is apart by {apart:.2g}, allowed 1e-9")
+    check_batch(language, [MPMSTAB, "plugin-host", option[1]] if option[0] == "-plugin" else option[1].split())
+
+
+def check_batch(language, command):
+    """Two states in one request give what a request for each gives."""
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**ENVIRONMENT, "MPMSTAB_ASKS": "1"}) as code:
+        def ask(message, numbers=0, *states):
+            code.stdin.write(json.dumps(message).encode() + b"\n" + b"".join(state.tobytes() for state in states))
+            code.stdin.flush()
+            head = json.loads(code.stdout.readline())
+            check("error" not in head and "failure" not in head, f"{language}: {head}")
+            return head, numpy.frombuffer(code.stdout.read(8 * numbers))
+
+        head, base = ask({"do": "describe"}, 3 * 32)
+        check(head.get("batch", 1) >= 2, f"{language}: takes no two states in one request: {head}")
+        other = base + 1e-3 * numpy.sin(numpy.arange(base.size))
+        each = [ask({"do": "step", "steps": 2}, base.size, state)[1] for state in (base, other)]
+        both = ask({"do": "step", "steps": 2, "states": 2}, 2 * base.size, base, other)[1]
+        check(numpy.array_equal(both, numpy.concatenate(each)), f"{language}: two states in one request are not one each")
+        check(not numpy.array_equal(each[0], each[1]), f"{language}: nothing changes")
+        code.stdin.write(b'{"do":"quit"}\n')
+        code.stdin.close()
+
+
+def check_page_alone(expected):
+    """An adapter that was written from the page alone, in a language without a kit."""
+    code = f"perl {ROOT}/tests/python/program_bar.pl"
+    ran(MPMSTAB, "spectrum", "-program", code, "-write_matrix", "perl.mtx", "-expect", "stable")
+    apart = numpy.max(numpy.abs(scipy.io.mmread("perl.mtx").toarray() - expected))
+    check(apart <= 1e-9, f"Perl: the operator is apart by {apart:.2g}, allowed 1e-9")
+    check_batch("Perl", code.split())
 
 
 def main():
@@ -120,6 +152,10 @@ def main():
             continue
         check_language(language, expected)
         print(f"{language}: the operator of the filled adapter is that of usl")
+    if subprocess.run(["perl", "-MJSON::PP", "-e", "1"], check=False, stderr=subprocess.DEVNULL).returncode == 0:
+        check_page_alone(expected)
+    else:
+        print("Perl, or its module JSON::PP, is not there: the adapter from the page alone is not run")
     said = ran(MPMSTAB, "adapter", "pyton", fails=True)
     check("did you mean python?" in said, f"an unknown language: {said}")
 

@@ -28,14 +28,16 @@ def names_of(what):
 def read_table(text):
     """Returns the codes by name: a code has its own line, its rows (option, here, file) and the line of its limit."""
     codes = {}
-    for line in text.splitlines()[3:]:
+    for line in text.splitlines()[4:]:
         indent, words = len(line) - len(line.lstrip()), line.strip()
         if indent == 2:
             name, source = words.split(": ", 1)
             check(name not in codes, f"{name} comes twice")
-            code = codes[name] = {"source": source, "rows": [], "limit": None, "lines": 0}
+            code = codes[name] = {"source": source, "rows": [], "defaults": [], "limit": None, "lines": 0}
         elif indent == 4 and words.startswith("limit "):
             code["limit"] = words
+        elif indent == 4 and words.startswith("by default: "):
+            code["defaults"].append(re.fullmatch(r"by default: (damping|viscosity|time step) +(\S.*) \((.+\.\w+)(:\d+)?\)", words).groups())
         elif indent == 4 and words.startswith("run here: "):
             check(os.path.exists(os.path.join(ROOT, words.split(": ")[1])), f"{name}: no page {words}")
         elif indent == 4:
@@ -79,7 +81,11 @@ def check_sources(codes):
         files = [file for _, _, file in code["rows"]]
         once = [file for i, file in enumerate(files) if i == 0 or file != files[i - 1]]
         check(len(once) == len(set(once)), f"{name}: the rows of a file are apart")
-        check(code["lines"] <= 24, f"{name}: {code['lines']} lines")
+        check(code["lines"] <= 27, f"{name}: {code['lines']} lines")
+        kinds = [kind for kind, *_ in code["defaults"]]
+        check(kinds == ["damping", "viscosity", "time step"] or name == "Anura3D", f"{name}: defaults {kinds}")
+        for kind, said, file, line in code["defaults"]:  # what is not there has no line
+            check(line or said.startswith("none in the files") or name == "Newton", f"{name}, {kind}: {said}, {file}")
 
 
 def check_limits(codes):

@@ -128,7 +128,7 @@ def check_mls():
 
 def check_calls():
     """So many steps of a code answer: a lattice in two dimensions of 5 ms a step in 20 s, with all its parts in 60 s."""
-    for task, *words, most in (("critical", "1", "8", "free", 950), ("critical", "2", "8", 1050), ("spectrum", "2", "12", 250)):
+    for task, *words, most in (("critical", "1", "8", "free", 950), ("critical", "2", "8", 1050), ("spectrum", "2", "12", 250), ("spectrum", "1", "24", "free", 330)):
         options = ["-program_dt", "tau"] if task == "critical" else []
         found = run(task, "-program", program("program_mls.py", *words), *options)
         check(found["probing"]["calls"] <= most, f"{task} {words}: {found['probing']['calls']} calls")
@@ -159,12 +159,48 @@ def check_moving():
     found = run("symbol", *code, "-mach", "1/4")
     near("drift of a Mach number", found["motion"]["drift"], 0.125, 0)
     near("Courant number of long waves", found["motion"]["courant"], 0.5, 1e-4)
-    for task, *words, said in (("spectrum", "-drift", "1/8", "takes the place of a scene"), ("symbol", "-drift", "1/8", "-compare", "formulation=musl,courant=0.5", "without compare"),
+    check_moving_spectrum()
+    check_moving_critical()
+    for task, *words, said in (("map", "-map_axes", "dt,c", "-drift", "1/8", "takes the place of a scene"), ("spectrum", "-drift", "1/8", "-at", "3", "without at"),
+                               ("critical", "-mach", "1/4", "would change with the time step"), ("symbol", "-drift", "1/8", "-compare", "formulation=musl,courant=0.5", "without compare"),
                                ("symbol", "-drift", "0.1234567", "after more than 128 steps"), ("symbol", "-drift", "a", "a fraction such as 1/8")):
         answer = run(task, *(code if task == "symbol" else code[:2]), *words, status=2)
         check(said in answer and answer.count("mpmstab:") == 1, f"{words}: {answer}")
     answer = run("symbol", "-program", program("program_steps.py", "musl", "drift=0.125", "32"), "-drift", "1/8", status=2)
     check("move by themselves" in answer, f"particles that move: {answer}")
+
+
+def check_moving_spectrum():
+    """Of all particles the operator of a period is the product of those of its steps."""
+    musl = ["-formulation", "musl", "-cells", "16", "-courant", "0.5", "-offset", "0.5", "-drift", "1/8"]
+    right = run("spectrum", *musl)
+    for ranks in (1, 2):
+        found = run("spectrum", "-program", program("program_steps.py", "musl", "32"), "-program_set", "dt=0.5", "-drift", "1/8", ranks=ranks)
+        near("growth of a moving ring", found["growth"], right["growth"], 1e-8)
+        check(found["verdict"] == right["verdict"] and found["spectrum"]["period_steps"] == 8, f"a moving ring: {found['evidence']}")
+        near("its drift", found["motion"]["drift"], 0.125, 0)
+    free = ["-program", program("program_mls.py", "1", "6", "free"), "-program_set", "tau=0.8"]
+    steps = []
+    for base in ("x=0", "x=0.5"):
+        run("spectrum", *free, "-program_base", base, "-write_matrix", "step.npz")
+        steps.append(scipy.sparse.load_npz("step.npz").toarray())
+    found = run("spectrum", *free, "-drift", "1/2")
+    near("growth of a moving block", found["growth"], abs(numpy.linalg.eigvals(steps[1] @ steps[0])).max()**0.5, 1e-7)
+    check(all(one["holds"] for one in found["probing"]["certificates"].values()), f"a moving block: {found['probing']}")
+    at_rest = run("spectrum", *free)
+    near("by whole cells", run("spectrum", *free, "-drift", "1")["growth"], at_rest["growth"], 1e-9)
+
+
+def check_moving_critical():
+    """The largest time step at which cells do not grow while they move; for ringing the one at which growth is tolerated."""
+    mls = ["-formulation", "usl", "-transfer", "apic", "-gradient", "mls", "-basis", "quadratic"]
+    for code, name, scene in ((program("program_steps.py", "usl"), "dt", ["-formulation", "usl"]), (program("program_mls.py", "1", "8"), "tau", mls),
+                              (program("program_steps.py", "musl", "32"), "dt", ["-formulation", "musl", "-offset", "0.5"])):
+        right = run("critical", *scene, "-drift", "1/8")["critical"]["critical_courant"]
+        found = run("critical", "-program", code, "-program_dt", name, "-drift", "1/8")
+        near(f"limit of {code} at drift 1/8", found["critical"]["critical_dt"], right, 2e-6 * right)
+        near("its drift", found["motion"]["drift"], 0.125, 0)
+        check(list(found["critical"]["limits"]) == ["interior"], f"{found['critical']['limits']}")
 
 
 def check_run():

@@ -31,8 +31,8 @@ function pack(of) {
   return Buffer.from(all.buffer);
 }
 
-function unpack(bytes) {
-  const all = new Float64Array(bytes.buffer, bytes.byteOffset, numbers * particles);
+function unpack(bytes, at) {
+  const all = new Float64Array(bytes.buffer, bytes.byteOffset + 8 * at * numbers * particles, numbers * particles);
   const of = Object.fromEntries(names.map((name) => [name, []]));
   let n = 0;
   for (let p = 0; p < particles; p++) names.forEach((name, f) => { of[name].push(Array.from(all.subarray(n, n += sizes[f]))); });
@@ -71,18 +71,21 @@ for (let line = readLine(); line !== null; line = readLine()) {
   const message = JSON.parse(line);
   let head = {}, tail = Buffer.alloc(0);
   if (message.do === 'quit') break;
-  const given = message.do === 'step' ? read(8 * numbers * particles) : null;
+  const states = message.states || 1; // one after another
+  const given = message.do === 'step' ? read(8 * numbers * particles * states) : null;
   try {
     if (message.do === 'describe') {
-      head = { protocol: 1, name: 'mine', ...grid, particles, parameters, steps: 1,
+      head = { protocol: 1, name: 'mine', ...grid, particles, parameters, steps: 1, batch: 64,
                fields: names.map((name, f) => ({ name, size: sizes[f], ...known[name] })) };
       tail = base;
     } else if (message.do === 'set') {
       for (const name of Object.keys(parameters)) if (name in message) parameters[name] = message[name];
     } else {
-      const now = unpack(given);
-      for (let n = 0; n < message.steps; n++) step(now, parameters);
-      tail = pack(now);
+      for (let at = 0; at < states; at++) {
+        const now = unpack(given, at);
+        for (let n = 0; n < message.steps; n++) step(now, parameters);
+        tail = Buffer.concat([tail, pack(now)]);
+      }
     }
   } catch (wrong) {
     [head, tail] = [{ error: String(wrong.message) }, Buffer.alloc(0)];

@@ -34,7 +34,7 @@ function describe(of)
     fields = join(("{\"name\": \"$name\", \"size\": $(size(of[name], 1))$(get(known, name, ""))}" for name in keys(of)), ", ")
     given = join(("\"$name\": $value" for (name, value) in parameters), ", ")
     "{\"protocol\": 1, \"name\": \"mine\", $grid, \"particles\": $(size(first(values(of)), 2)), " *
-    "\"fields\": [$fields], \"parameters\": {$given}, \"steps\": 1}"
+    "\"fields\": [$fields], \"parameters\": {$given}, \"steps\": 1, \"batch\": 64}"
 end
 
 number(line, name) = match(Regex("\"$name\"\\s*:\\s*([^,}\\s]+)"), line)
@@ -44,7 +44,9 @@ while !eof(stdin)
     line = readline(stdin)
     command = match(r"\"do\"\s*:\s*\"(\w+)\"", line)[1]
     head, tail = "{}", zeros(0)
-    given = command == "step" ? read!(stdin, similar(base)) : base
+    many = number(line, "states")
+    states = many === nothing ? 1 : parse(Int, many[1]) # one after another
+    given = command == "step" ? read!(stdin, Array{Float64}(undef, size(base)..., states)) : base
     try
         if command == "quit"
             break
@@ -56,11 +58,14 @@ while !eof(stdin)
                 found === nothing || (parameters[name] = parse(Float64, found[1]))
             end
         else
-            unpack!(state, given)
-            for _ in 1:parse(Int, number(line, "steps")[1])
-                step!(state, parameters)
+            tail = similar(given)
+            for at in 1:states
+                unpack!(state, given[:, :, at])
+                for _ in 1:parse(Int, number(line, "steps")[1])
+                    step!(state, parameters)
+                end
+                tail[:, :, at] = pack(state)
             end
-            tail = pack(state)
         end
     catch wrong
         head, tail = "{\"error\": \"$(replace(sprint(showerror, wrong), '"' => '\'', '\n' => ' ', '\\' => '/'))\"}", zeros(0)
