@@ -30,6 +30,34 @@ static PetscBool FillsSpace(const MpmScene *scene)
   return MpmSceneIsPhysical(scene) && MpmLayoutIsUniform(&scene->layout) ? PETSC_TRUE : PETSC_FALSE;
 }
 
+/*
+   Whether the default answer of critical has a table of steps by layout: for lattices at rest with a scheme of the
+   program, whose searches are quick.
+*/
+static PetscBool HasTable(const MpmScene *scene)
+{
+  const MpmScheme *scheme = &scene->scheme;
+  const MpmLayout *layout = &scene->layout;
+
+  return MpmLayoutIsUniform(layout) && layout->counts.n == 1 && layout->cluster[1] - layout->cluster[0] >= 1 &&
+                 !MpmSceneDrifts(scene) && !MpmTableSolves(scheme->table) && !scheme->formulation->written &&
+                 !MpmSpaceIsDamped(&scheme->space) && !MpmSpaceIsPrestressed(&scheme->space)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* What is asked of where nothing was given. With a table of steps only what is quick: it names the others. */
+static PetscInt Default(const MpmScene *scene, PetscBool all, PetscBool table, PetscInt word[])
+{
+  static const PetscInt quick[] = {MPM_IN_BULK, MPM_ALONE, MPM_AT_EDGE, MPM_DISORDERED};
+  const PetscInt        n       = scene->layout.dim == 2 ? 4 : 2;
+
+  word[0] = all ? ALL : MPM_IN_BULK;
+  if (!all || !table || scene->layout.dim == 1) return 1;
+  for (PetscInt i = 0; i < n; i++) word[i] = quick[i];
+  return n;
+}
+
 PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   const PetscBool critical = !strcmp(request->task, "critical") ? PETSC_TRUE : PETSC_FALSE;
@@ -43,7 +71,10 @@ PetscErrorCode MpmSettingsReadNeighbourhoods(const MpmSettings *settings, const 
                       "a survey is of the bulk; allowed: without survey");
   MpmSettingsRefuseIf(n && critical && request->at_mach, settings, "neighbourhood",
                       "at a Mach number the search is of the bulk; allowed: drift");
-  if (!n) word[n++] = critical && !request->survey && !request->at_mach && FillsSpace(scene) ? ALL : MPM_IN_BULK;
+  request->table =
+      critical && !n && !request->survey && !request->at_mach && HasTable(scene) ? PETSC_TRUE : PETSC_FALSE;
+  if (!n)
+    n = Default(scene, critical && !request->survey && !request->at_mach && FillsSpace(scene), request->table, word);
   for (PetscInt i = 0; i < n; i++) Take(word[i], scene, request);
   for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
     MpmSettingsRefuseIf(scene->layout.given && request->neighbourhood[kind] != (kind == MPM_IN_BULK), settings,

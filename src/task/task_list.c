@@ -193,7 +193,7 @@ static PetscErrorCode ListCodes(void)
       MpmPrint("      %-44s %s\n", said, here);
     }
     if (ran) MpmPrint("    run here: %s\n", ran);
-    if (scheme) MpmPrint("    limit %s: mpmstab critical %s\n", limit, scheme);
+    if (scheme) MpmPrint("    limit of a lattice %s: mpmstab critical %s\n", limit, scheme);
   }
   json_decref(codes);
   PetscFunctionReturn(PETSC_SUCCESS);
