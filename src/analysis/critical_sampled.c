@@ -8,7 +8,7 @@
 #include "analysis/leftmost.h"
 #include "scene/layout.h"
 #include "analysis/waves.h"
-#include "symbol/phases.h"
+#include "symbol/source.h"
 #include <math.h>
 
 #define WITHIN 2        /* the largest ratio of growths from which a search goes on */

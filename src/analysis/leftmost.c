@@ -16,11 +16,11 @@ static PetscBool IsOnNode(const MpmLayout *layout)
   return PETSC_FALSE;
 }
 
-PetscBool MpmLeftmostDecides(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step)
+/* Whether the particles are those of the proofs: at rest, with DIV the adjoint of GRAD. */
+static PetscBool Holds(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step)
 {
   const MpmSpace *space = &scheme->space;
 
-  if (!scheme->formulation->leftmost || !scheme->transfer->leftmost) return PETSC_FALSE;
   if (MpmSpaceIsPrestressed(space) || space->displaced || space->finite || MpmSpaceIsDamped(space)) return PETSC_FALSE;
   if (layout->colliders || MpmStepDrifts(step) || (!MpmLayoutIsFull(layout) && !MpmLayoutIsScattered(layout)))
     return PETSC_FALSE;
@@ -29,4 +29,23 @@ PetscBool MpmLeftmostDecides(const MpmLayout *layout, const MpmScheme *scheme, c
     for (int end = 0; end < 2; end++)
       if (layout->grid[a].ends[end] == MPM_FIXED_REACTION) return PETSC_FALSE;
   return PETSC_TRUE;
+}
+
+PetscBool MpmLeftmostDecides(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step)
+{
+  return scheme->formulation->leftmost && scheme->transfer->leftmost && Holds(layout, scheme, step) ? PETSC_TRUE
+                                                                                                    : PETSC_FALSE;
+}
+
+/* implicit has a bound without a limit, and solves on the grid */
+PetscBool MpmGrowthStays(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step)
+{
+  const MpmFormulation *f = scheme->formulation;
+
+  if (MpmLeftmostDecides(layout, scheme, step)) return PETSC_TRUE;
+  return f->step_bound && !f->leftmost && !scheme->transfer->filter &&
+                 f->step_bound(&scheme->numbers, scheme->transfer) > 0 && !MpmTableSolves(scheme->table) &&
+                 Holds(layout, scheme, step)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }

@@ -15,3 +15,11 @@
    Not collective.
 */
 PetscBool MpmLeftmostDecides(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step);
+
+/*
+   MpmGrowthStays - whether a layout that grows at a Courant number also grows at each larger one. So it is where the
+   leftmost eigenvalues decide, and for verlet and rk with flip (docs/theory.md, section 5).
+
+   Not collective.
+*/
+PetscBool MpmGrowthStays(const MpmLayout *layout, const MpmScheme *scheme, const MpmStep *step);

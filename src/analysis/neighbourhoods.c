@@ -8,6 +8,8 @@
 #include "base/text.h"
 #include <math.h>
 
+#define SHORT 8   /* so many times fewer moves has the search of a table */
+#define FEW 4     /* layouts that it moves */
 #define SAME 1e-6 /* relative difference of limits that come of searches, which may be a little off */
 
 PetscBool MpmNeighbourhoodsWanted(const MpmRequest *request)
@@ -149,17 +151,17 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
   static const PetscInt moves[MPM_MAX_DIM] = {200, 100, 30};
   const PetscBool       disordered         = one->kind == MPM_DISORDERED ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool       worst              = one->kind == MPM_AT_WORST ? PETSC_TRUE : PETSC_FALSE;
-  MpmRandomLayouts      layouts            = {.n       = request->layouts,
+  MpmRandomLayouts      layouts            = {.n       = worst && request->table ? FEW : request->layouts,
                                               .seed    = of->layout->seed,
                                               .voids   = disordered ? 0 : request->voids,
                                               .scatter = disordered || worst ? PETSC_TRUE : PETSC_FALSE,
-                                              .moves   = worst ? moves[of->layout->dim - 1] : 0,
+                                              .moves   = worst ? moves[of->layout->dim - 1] / (request->table ? SHORT : 1) : 0,
                                               .write   = request->write_layout,
                                               .limits  = limits};
 
   PetscFunctionBegin;
   if (!HasOperator(of, one)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (worst && !MpmLeftmostDecides(of->layout, of->scheme, &of->step)) {
+  if (worst && !MpmGrowthStays(of->layout, of->scheme, &of->step)) {
     one->why_not =
         "the search needs that layouts stay unstable beyond their limits, which is not proved of this scheme";
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -235,6 +237,15 @@ static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, Pet
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Up to which Courant number no layout grows; 0: that is not known. */
+static PetscErrorCode Bound(const MpmScene *scene, PetscReal *bound)
+{
+  PetscFunctionBegin;
+  *bound = MpmCriticalBound(&scene->layout, &scene->scheme);
+  if (*bound == 0 && !WhyNot(scene)) PetscCall(MpmCriticalLoneBound(&scene->layout, &scene->scheme, bound));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The least limit. One that is undecided could be less, unless it is 0 or a bound that holds for every layout. */
 static void TakeLeast(MpmNeighbourhoods *all)
 {
@@ -284,12 +295,90 @@ PetscBool MpmNeighbourhoodsHaveWindows(const MpmNeighbourhoods *all)
   return PETSC_FALSE;
 }
 
+/* ---- a table of steps ---- */
+
+/*
+   Whether a row of a table is not sought, since that takes long: in three dimensions, where layouts grow in windows, and at
+   an edge where growth does not begin at -1 (rk).
+*/
+static PetscBool LeavesOut(const MpmScene *scene, MpmNeighbourhoodKind kind)
+{
+  const MpmScheme *scheme = &scene->scheme;
+
+  if (kind == MPM_IN_BULK || kind == MPM_ALONE) return PETSC_FALSE;
+  if (scene->layout.dim > 2) return PETSC_TRUE;
+  if (kind == MPM_AT_EDGE) return scheme->formulation->quiet ? PETSC_TRUE : PETSC_FALSE;
+  return kind == MPM_DISORDERED && !MpmGrowthStays(&scene->layout, scheme, &scene->step) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static PetscErrorCode Row(const MpmScene *scene, const MpmRequest *request, MpmNeighbourhoodKind kind,
+                          const MpmNeighbourhoods *all, MpmNeighbourhood *row)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; all && i < all->n; i++) {
+    if (all->of[i].kind != kind) continue;
+    *row = all->of[i];
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  *row = Nothing(kind);
+  if (!LeavesOut(scene, kind)) PetscCall(Find(scene, request, PETSC_TRUE, row));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Chooses the step that is recommended. */
+static void Advise(MpmStepTable *t)
+{
+  t->least = t->never = MPM_NONE;
+  for (PetscInt i = 0; i < MPM_TABLE_ROWS - 1; i++) {
+    if (t->limit[i] != 0) continue;
+    if (t->row[i].approached)
+      t->falls = PETSC_TRUE;
+    else if (t->never == MPM_NONE)
+      t->never = i;
+  }
+  for (PetscInt i = 0; i < MPM_TABLE_ROWS; i++) {
+    if (!(t->limit[i] > 0) || isinf(t->limit[i]) || (t->falls && t->row[i].kind == MPM_AT_WORST)) continue;
+    if (t->least == MPM_NONE || t->limit[i] < t->limit[t->least]) t->least = i;
+  }
+  t->advised = t->bound > 0 ? t->bound : t->least == MPM_NONE ? INFINITY : t->limit[t->least];
+  if (t->never != MPM_NONE) t->advised = NAN;
+}
+
+PetscErrorCode MpmStepTableFind(const MpmScene *scene, const MpmRequest *request, const MpmNeighbourhood *bulk,
+                                const MpmNeighbourhoods *all, MpmStepTable *table)
+{
+  static const MpmNeighbourhoodKind kinds[MPM_TABLE_ROWS] = {MPM_IN_BULK, MPM_DISORDERED, MPM_AT_EDGE, MPM_ALONE,
+                                                             MPM_AT_WORST};
+  const PetscInt                    worst                 = MPM_TABLE_ROWS - 1;
+  const PetscReal                   begin                 = MPI_Wtime();
+
+  PetscFunctionBegin;
+  *table = (MpmStepTable){.of = worst};
+  PetscCall(Bound(scene, &table->bound));
+  for (PetscInt i = 0; i < MPM_TABLE_ROWS; i++) {
+    MpmNeighbourhood *row = &table->row[i];
+
+    *row = *bulk;
+    if (i) PetscCall(Row(scene, request, kinds[i], all, row));
+    table->left_out[i] = isnan(row->courant) && !row->why_not && LeavesOut(scene, kinds[i]) ? PETSC_TRUE : PETSC_FALSE;
+    table->limit[i]    = isnan(row->quantile[0]) ? row->courant : row->quantile[0];
+  }
+  for (PetscInt i = 0; i < worst; i++) /* other rows are layouts, too */
+    if (table->row[i].courant < table->limit[worst]) {
+      table->limit[worst] = table->row[i].courant;
+      table->of           = i;
+    }
+  Advise(table);
+  table->seconds = MPI_Wtime() - begin;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmNeighbourhoodsFind(const MpmScene *scene, const MpmRequest *request, const MpmNeighbourhood *bulk,
                                      PetscBool limits, MpmNeighbourhoods *all)
 {
   PetscFunctionBegin;
-  *all = (MpmNeighbourhoods){.bound = MpmCriticalBound(&scene->layout, &scene->scheme)};
-  if (all->bound == 0 && !WhyNot(scene)) PetscCall(MpmCriticalLoneBound(&scene->layout, &scene->scheme, &all->bound));
+  *all = (MpmNeighbourhoods){.n = 0};
+  PetscCall(Bound(scene, &all->bound));
   for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++) {
     MpmNeighbourhood *one = &all->of[all->n];
 

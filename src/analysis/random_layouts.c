@@ -328,25 +328,27 @@ static PetscErrorCode LinearLimit(Boxed *b, PetscReal *limit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same by halving. */
-static PetscErrorCode HalvedLimit(Boxed *b, PetscReal *limit)
+/* The same by halving, where it is below a Courant number; else that number. */
+static PetscErrorCode HalvedLimit(Boxed *b, PetscReal to, PetscReal *limit)
 {
-  PetscReal bracket[2] = {LEAST, MPM_CRITICAL_TO}, growth, middle = bracket[1];
+  PetscReal bracket[2] = {LEAST, to}, growth, middle = to;
 
   PetscFunctionBegin;
   do {
     PetscCall(Growth(b, middle, &growth));
     bracket[growth <= 1 + b->search->of->tolerance ? 0 : 1] = middle;
-    middle                                                  = sqrt(bracket[0] * bracket[1]);
+    middle = bracket[0] > LEAST || to == MPM_CRITICAL_TO ? sqrt(bracket[0] * bracket[1]) : bracket[1] / 2;
   } while (!isnan(growth) && bracket[1] > bracket[0] * (1 + PRECISION));
   *limit = isnan(growth) ? NAN : bracket[0] >= MPM_CRITICAL_TO ? INFINITY : bracket[0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode LimitOfBox(Boxed *b, PetscReal *limit)
+/* The limit; one that is not below a Courant number need not be known. */
+static PetscErrorCode LimitOfBox(Boxed *b, PetscReal to, PetscReal *limit)
 {
   PetscFunctionBegin;
-  PetscCall(b->search->plan->degree == 1 ? LinearLimit(b, limit) : HalvedLimit(b, limit));
+  PetscCall(b->search->plan->degree == 1 ? LinearLimit(b, limit)
+                                         : HalvedLimit(b, PetscMin(to, MPM_CRITICAL_TO), limit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -417,7 +419,7 @@ static PetscErrorCode Worsen(Boxed *b, PetscReal *limit)
 
     MakeMove(&b->layout, m, b->search->asked->moves, &move);
     PetscCall(Assemble(b));
-    PetscCall(LimitOfBox(b, &other));
+    PetscCall(LimitOfBox(b, *limit, &other));
     if (other < *limit * (1 - PRECISION)) /* rounding must not choose the way */
       *limit = other;
     else
@@ -436,7 +438,7 @@ static PetscErrorCode Write(Search *s)
 
   PetscFunctionBegin;
   PetscCall(BoxedCreate(s, (PetscInt)(s->asked->worst - s->asked->seed), &b));
-  PetscCall(LimitOfBox(&b, &limit));
+  PetscCall(LimitOfBox(&b, MPM_CRITICAL_TO, &limit));
   PetscCall(Worsen(&b, &limit));
   PetscCall(MpmTextFileOpen(s->asked->write, &csv));
   if (csv.stream) {
@@ -458,7 +460,7 @@ static PetscErrorCode LimitOf(void *context, PetscInt i)
 
   PetscFunctionBegin;
   PetscCall(BoxedCreate(s, i, &b));
-  PetscCall(LimitOfBox(&b, &s->growth[i]));
+  PetscCall(LimitOfBox(&b, MPM_CRITICAL_TO, &s->growth[i]));
   if (s->asked->moves) PetscCall(Worsen(&b, &s->growth[i]));
   PetscCall(BoxedDestroy(&b));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -498,12 +500,12 @@ static PetscErrorCode FindLimit(Search *s)
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < s->asked->n; i++) s->looks[i] = PETSC_TRUE;
-  if (!MpmLeftmostDecides(s->of->layout, s->of->scheme, &s->of->step)) {
-    PetscCall(ScanForLimit(s));
+  if (s->asked->scatter && MpmGrowthStays(s->of->layout, s->of->scheme, &s->of->step)) {
+    PetscCall(FindLimits(s));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (s->asked->scatter) {
-    PetscCall(FindLimits(s));
+  if (!MpmLeftmostDecides(s->of->layout, s->of->scheme, &s->of->step)) {
+    PetscCall(ScanForLimit(s));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(GrowthOfAll(s, bracket[1], &grows));

@@ -4,7 +4,7 @@
 */
 #pragma once
 #include "linalg/reduced.h"
-#include "linalg/resolvent.h"
+#include "linalg/singular.h"
 #include <mpmstab/operator.h>
 
 /*S

@@ -1,6 +1,6 @@
 /* A code in uniform motion. */
 #include "probe/motion.h"
-#include "analysis/worst_phase.h"
+#include "analysis/waves.h"
 #include "linalg/small_eigen.h"
 #include <mpmstab/errors.h>
 #include <math.h>

@@ -347,11 +347,12 @@ static void Bulk(json_t *result, PetscInt dim, const MpmCritical *c)
 }
 
 PetscErrorCode MpmCriticalReport(const MpmScene *s, const MpmRequest *request, const MpmCritical *c,
-                                 const MpmNeighbourhoods *all, PetscReal wall_s)
+                                 const MpmNeighbourhoods *all, const MpmStepTable *table, PetscReal wall_s)
 {
   const MpmFinding *finding = all ? &all->finding : &c->asked;
   const PetscReal   courant = all ? all->courant : c->courant;
-  PetscReal         seconds = c ? c->seconds : 0;
+  PetscReal         seconds = (c ? c->seconds : 0) + (table ? table->seconds : 0);
+  char              lattice[MPM_COUNTS_TEXT];
   json_t           *result, *critical;
 
   PetscFunctionBegin;
@@ -378,6 +379,8 @@ PetscErrorCode MpmCriticalReport(const MpmScene *s, const MpmRequest *request, c
   else if (MpmSceneHasStep(s))
     MpmReportFinding(result, finding, NAN);
   if (c) PrintSearch(s, c);
+  PetscCall(LayoutText(s, sizeof lattice, lattice));
+  if (table) MpmStepTableReport(critical, s, request, lattice, table);
   for (PetscInt i = 0; all && i < all->n; i++)
     if (all->of[i].kind != MPM_IN_BULK) seconds += all->of[i].seconds;
   MpmPrint("time: %.3g s\n", seconds);
@@ -390,21 +393,25 @@ PetscErrorCode MpmCriticalReport(const MpmScene *s, const MpmRequest *request, c
 /* In more than one dimension a row begins with these fields; one with several values has them in quotes. */
 static const char *const fields[] = {"dim", "gradient", "poisson", "ppc", "offset", "jitter", "drift", "boundary"};
 
-static PetscErrorCode CsvOpen(const char path[], PetscInt dim, MpmTextFile *csv)
+static PetscErrorCode CsvOpen(const char path[], PetscInt dim, PetscBool table, MpmTextFile *csv)
 {
+  const char *const more = table ? ",disordered_5,edge,lone,worst,any_layout,recommended" : "";
+
   PetscFunctionBegin;
   PetscCall(MpmTextFileOpen(path, csv));
   if (!csv->stream) PetscFunctionReturn(PETSC_SUCCESS);
   if (dim == 1) {
-    fprintf(csv->stream, "formulation,basis,transfer,ppc,offset,jitter,drift,boundary_left,boundary_right,"
-                         "critical_courant,closed_form,limited_by_beta\n");
+    fprintf(csv->stream,
+            "formulation,basis,transfer,ppc,offset,jitter,drift,boundary_left,boundary_right,"
+            "critical_courant,closed_form,limited_by_beta%s\n",
+            more);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   fprintf(csv->stream, "formulation,basis,transfer");
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(fields); i++) fprintf(csv->stream, ",%s", fields[i]);
   fprintf(csv->stream, ",critical_courant,closed_form");
   for (PetscInt a = 0; a < dim; a++) fprintf(csv->stream, ",limited_by_beta_%c", "xyz"[a]);
-  fprintf(csv->stream, ",limited_by_wave\n");
+  fprintf(csv->stream, ",limited_by_wave%s\n", more);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -423,7 +430,8 @@ static PetscErrorCode CsvScene(MpmTextFile *csv, const MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode CsvRow(MpmTextFile *csv, const MpmScene *scene, const MpmScheme *scheme, const MpmCritical *c)
+static PetscErrorCode CsvRow(MpmTextFile *csv, const MpmScene *scene, const MpmScheme *scheme, const MpmCritical *c,
+                             const MpmStepTable *table)
 {
   const MpmLayout *l = &scene->layout;
 
@@ -439,17 +447,21 @@ static PetscErrorCode CsvRow(MpmTextFile *csv, const MpmScene *scene, const MpmS
   MpmTextFileCell(csv, c->closed);
   for (PetscInt a = 0; a < l->dim; a++) MpmTextFileCell(csv, c->beta[a]);
   if (l->dim > 1) fprintf(csv->stream, ",%s", MpmWaveTypeNames[c->wave]);
+  for (PetscInt i = 1; table && i < MPM_TABLE_ROWS; i++) MpmTextFileCell(csv, table->limit[i]);
+  if (table) MpmTextFileCell(csv, table->bound > 0 ? table->bound : NAN);
+  if (table) MpmTextFileCell(csv, table->advised);
   fprintf(csv->stream, "\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, const MpmCritical *critical)
+PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, const MpmCritical *critical,
+                                   const MpmStepTable *table)
 {
   MpmTextFile csv;
 
   PetscFunctionBegin;
-  PetscCall(CsvOpen(path, scene->layout.dim, &csv));
-  PetscCall(CsvRow(&csv, scene, &scene->scheme, critical));
+  PetscCall(CsvOpen(path, scene->layout.dim, table ? PETSC_TRUE : PETSC_FALSE, &csv));
+  PetscCall(CsvRow(&csv, scene, &scene->scheme, critical, table));
   PetscCall(MpmTextFileClose(&csv));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -480,7 +492,7 @@ static PetscErrorCode PrintCell(void *context, const MpmScheme *scheme, const Mp
   else
     MpmPrint("  %9.4f", c->courant);
   fflush(stdout);
-  if (survey->request->csv[0]) PetscCall(CsvRow(&survey->csv, survey->scene, scheme, c));
+  if (survey->request->csv[0]) PetscCall(CsvRow(&survey->csv, survey->scene, scheme, c, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -514,7 +526,7 @@ PetscErrorCode MpmCriticalPrintSurvey(const MpmScene *scene, const MpmRequest *r
   Survey                survey = {.scene = scene, .request = request};
 
   PetscFunctionBegin;
-  if (request->csv[0]) PetscCall(CsvOpen(request->csv, scene->layout.dim, &survey.csv));
+  if (request->csv[0]) PetscCall(CsvOpen(request->csv, scene->layout.dim, PETSC_FALSE, &survey.csv));
   PetscCall(MpmReportUnits(scene, request));
   PetscCall(PrintHeading(scene));
   for (PetscInt b = 0; MpmBases[b]; b++) MpmPrint("  %9s", MpmBases[b]->name);

@@ -291,3 +291,87 @@ void MpmNeighbourhoodsReport(json_t *result, const MpmScene *s, const MpmRequest
   if (limits) PrintLeast(s, request, all);
   if (MpmSceneHasStep(s) || !limits) PrintVerdict(s, all);
 }
+
+/* ---- the table of steps ---- */
+
+static const char *const row_names[MPM_TABLE_ROWS] = {"lattice", "disordered", "edge", "lone", "worst"};
+
+/* The layout of a row, and how its limit comes about. */
+static void RowText(const MpmScene *s, const MpmRequest *request, const char lattice[], const MpmStepTable *t,
+                    PetscInt i, size_t room, char text[])
+{
+  static const char *const layouts[MPM_TABLE_ROWS] = {"", "", "a half-space of the lattice, ", "one particle, ", ""};
+  const MpmNeighbourhood  *row                     = &t->row[i];
+  char                     reason[ROOM];
+
+  ReasonText(s, request, row, sizeof reason, reason);
+  if (t->left_out[i])
+    (void)snprintf(text, room, "not computed: -neighbourhood %s", MpmNeighbourhoodNames[row->kind]);
+  else if (row->kind == MPM_AT_WORST && !row->why_not && t->of != i)
+    (void)snprintf(text, room, "%s; a short search came to %.4g, -neighbourhood worst searches longer",
+                   row_names[t->of], row->courant);
+  else if (row->kind == MPM_AT_WORST && !row->why_not)
+    (void)snprintf(text, room, "found by a short search; -neighbourhood worst searches longer");
+  else if (row->kind == MPM_IN_BULK)
+    (void)snprintf(text, room, "%s%s%s", lattice + strlen("lattice, "), reason[0] ? ": " : "", reason);
+  else
+    (void)snprintf(text, room, "%s%s", row->why_not ? "" : layouts[i], reason);
+}
+
+/* A Courant number, in a scene with units a time step before it, and words. */
+static void RowPrint(json_t *result, const MpmScene *s, const char name[], const char key[], PetscReal courant,
+                     const char unknown[], const char text[])
+{
+  char number[24];
+
+  MpmPrint("  %-11s", name);
+  if (MpmSceneIsPhysical(s)) {
+    NumberText(MpmSceneTimeStep(s, courant), "none", sizeof number, number);
+    MpmPrint(" %-12s", isnan(courant) ? unknown : number);
+    MpmResultKeep(result, "%g{seconds}", MpmSceneTimeStep(s, courant));
+  }
+  NumberText(courant, "none", sizeof number, number);
+  MpmPrint(" %-10s %s\n", isnan(courant) ? unknown : number, text);
+  MpmResultKeep(result, "%g{courant}", courant);
+  MpmResultPut(result, key, json_string(text));
+}
+
+/* Why a step is recommended, or none. */
+static void AdviceText(const MpmStepTable *t, size_t room, char text[])
+{
+  if (t->never != MPM_NONE)
+    (void)snprintf(text, room, "%s: there is growth at every Courant number", row_names[t->never]);
+  else if (t->bound > 0)
+    (void)snprintf(text, room, "the bound, which holds for every layout of such particles");
+  else if (t->least == MPM_NONE)
+    (void)snprintf(text, room, "none of these layouts limits it");
+  else
+    (void)snprintf(text, room, "%s, the least%s that is known; other layouts may have less: -layout FILE",
+                   row_names[t->least], t->falls ? " away from nodes" : "");
+}
+
+void MpmStepTableReport(json_t *result, const MpmScene *s, const MpmRequest *request, const char lattice[],
+                        const MpmStepTable *t)
+{
+  char    text[2 * ROOM];
+  json_t *row;
+
+  MpmPrint("\nlargest stable steps by layout, particles at rest:\n  layout      %sc dt / h\n",
+           MpmSceneIsPhysical(s) ? "dt           " : "");
+  for (PetscInt i = 0; i < MPM_TABLE_ROWS; i++) {
+    row = MpmResultNext(result, "layouts");
+    MpmResultPut(row, "layout", json_string(row_names[i]));
+    RowText(s, request, lattice, t, i, sizeof text, text);
+    RowPrint(row, s, row_names[i], "how", t->limit[i], t->left_out[i] ? "-" : "undecided", text);
+  }
+  row = MpmResultNext(result, "layouts");
+  MpmResultPut(row, "layout", json_string("bound"));
+  RowPrint(row, s, "bound", "how", t->bound > 0 ? t->bound : NAN, "-",
+           t->bound > 0 ? "proved: no layout of such particles grows up to it" : "none is known of all layouts");
+  AdviceText(t, sizeof text, text);
+  RowPrint(MpmResultIn(result, "recommended"), s, "recommended", "reason", t->advised, "none", text);
+  if (t->falls)
+    MpmPrint(
+        "0: a particle that comes to a node with nothing around it gives it force, and next to no mass (chi = 0 on "
+        "hats). Codes leave out nodes of little mass, or take splines, or musl\n");
+}

@@ -10,10 +10,10 @@ PetscErrorCode MpmCriticalMachReport(const MpmScene *scene, const MpmRequest *re
 
 /*
    Collective. The limit, what limits it, and growth at the scene's own Courant number. critical: of the bulk, or NULL.
-   all: of the neighbourhoods, or NULL where there is the bulk alone.
+   all: of the neighbourhoods, or NULL where there is the bulk alone. table: of steps by layout, or NULL.
 */
 PetscErrorCode MpmCriticalReport(const MpmScene *scene, const MpmRequest *request, const MpmCritical *critical,
-                                 const MpmNeighbourhoods *all, PetscReal wall_s);
+                                 const MpmNeighbourhoods *all, const MpmStepTable *table, PetscReal wall_s);
 
 /* Collective. What a theorem says of a scheme under drift. result: the object 'critical'. */
 void MpmReportQuiet(json_t *result, const MpmCritical *critical);
@@ -27,12 +27,17 @@ void MpmReportQuiet(json_t *result, const MpmCritical *critical);
 void MpmNeighbourhoodsReport(json_t *result, const MpmScene *scene, const MpmRequest *request, PetscBool limits,
                              const MpmNeighbourhoods *all);
 
+/* Collective. A table of steps by layout, and the step that is recommended. lattice: the scene's layout in words. */
+void MpmStepTableReport(json_t *result, const MpmScene *scene, const MpmRequest *request, const char lattice[],
+                        const MpmStepTable *table);
+
 /* Not collective. Type, length, direction and phases of a wave in words; assembled: of a mode that has it for the most. */
 void MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave, const PetscReal beta[], size_t room,
                    char text[]);
 
 /* Collective. CSV files with a row for each scene, or Courant number. */
-PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, const MpmCritical *critical);
+PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, const MpmCritical *critical,
+                                   const MpmStepTable *table);
 PetscErrorCode MpmCriticalMachWriteCsv(const MpmScene *scene, const MpmRequest *request, const MpmCriticalMach *found);
 /* Collective. Writes the particles of a layout, and the numbers of each that critical has. */
 PetscErrorCode MpmCriticalWriteLayout(const char path[], const MpmScene *scene, const MpmCritical *critical);

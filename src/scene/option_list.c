@@ -402,7 +402,7 @@ const MpmField MpmOptions[] = {
    NO_RANGE, FILE_IN(write_layout), .tasks = "critical", WRITES(".csv")},
   {"survey", MPM_SWITCH, "false", "a table of the limits of all schemes at this layout",
    .tasks = "critical", ASKED(AS_SWITCH, survey)},
-  {"neighbourhood", MPM_WORDS, NULL, "where particles are: bulk, edge, corner, lone, random, disordered, worst, several of these with commas, or all, but for worst (default: bulk; all of critical for a lattice in physical units)",
+  {"neighbourhood", MPM_WORDS, NULL, "where particles are: bulk, edge, corner, lone, random, disordered, worst, several of these with commas, or all, but for worst (default: bulk; of critical for a lattice in physical units all that is quick)",
    WORDS(MpmNeighbourhoodNames), .tasks = "critical, spectrum"},
   {"step_bound_chance", MPM_REAL, "1e-6", "layouts that are no lattice, and courant auto: the probability with which the bound lanczos may be above the limit",
    BETWEEN(1e-15, 0.5), .tasks = "critical, run", ASKED(AS_REAL, step_bound_chance)},

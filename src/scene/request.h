@@ -110,6 +110,7 @@ extern const char *const MpmNeighbourhoodNames[];
    at_step           - at kinematics finite, the step of the run whose tangent spectrum takes
    survey            - whether critical goes through all schemes
    neighbourhood     - those that critical and spectrum look at
+   table             - whether critical adds a table of the largest steps by layout, since none of them was asked for
    layouts           - how many random layouts an ensemble, or neighbourhood random or disordered, has
    voids             - the share of sites without a particle in neighbourhood random
    damping, ndivisors, divisors - whether symbol also finds how waves are damped, and by what it divides the time step
@@ -135,7 +136,7 @@ typedef struct {
   PetscReal       tolerance, voids, step_bound_chance;
   PetscInt        step_bound_sweeps;
   PetscBool       weights, source_term, ringing, measure, nodal, nodal_asked, survey, refine, damping, verbose;
-  PetscBool       neighbourhood[MPM_NEIGHBOURHOODS];
+  PetscBool       neighbourhood[MPM_NEIGHBOURHOODS], table;
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
   PetscInt        program_period, program_run;
   PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];

@@ -29,9 +29,42 @@ static void Take(PetscInt word, const MpmScene *scene, MpmRequest *request)
 }
 
 /*
-   A lattice in physical units leaves open where its particles end, so that critical looks at all neighbourhoods. One with
-   walls, gaps or jitter says itself where they are.
+   Whether a scene in physical units leaves open where its particles end. One with walls, gaps or jitter says itself
+   where they are.
 */
+static PetscBool FillsSpace(const MpmScene *scene)
+{
+  return MpmSceneIsPhysical(scene) && MpmLayoutIsUniform(&scene->layout) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/*
+   Whether the default answer of critical has a table of steps by layout: for lattices at rest with a scheme of the
+   program, whose searches are quick.
+*/
+static PetscBool HasTable(const MpmScene *scene)
+{
+  const MpmScheme *scheme = &scene->scheme;
+  const MpmLayout *layout = &scene->layout;
+
+  return MpmLayoutIsUniform(layout) && layout->counts.n == 1 && layout->cluster[1] - layout->cluster[0] >= 1 &&
+                 !MpmSceneDrifts(scene) && !MpmTableSolves(scheme->table) && !scheme->formulation->written &&
+                 !MpmSpaceIsDamped(&scheme->space) && !MpmSpaceIsPrestressed(&scheme->space)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
+}
+
+/* What is asked of where nothing was given. With a table of steps only what is quick: it names the others. */
+static PetscInt Default(const MpmScene *scene, PetscBool all, PetscBool table, PetscInt word[])
+{
+  static const PetscInt quick[] = {MPM_IN_BULK, MPM_ALONE, MPM_AT_EDGE, MPM_DISORDERED};
+  const PetscInt        n       = scene->layout.dim == 2 ? 4 : 2;
+
+  word[0] = all ? ALL : MPM_IN_BULK;
+  if (!all || !table || scene->layout.dim == 1) return 1;
+  for (PetscInt i = 0; i < n; i++) word[i] = quick[i];
+  return n;
+}
+
 static PetscErrorCode ReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   const PetscBool critical = Is(request, "critical");
@@ -40,10 +73,10 @@ static PetscErrorCode ReadNeighbourhoods(const MpmSettings *settings, const MpmS
   PetscFunctionBegin;
   if ((critical || Is(request, "spectrum")) && MpmSettingsGiven(settings, "neighbourhood"))
     PetscCall(MpmSettingsWords(settings, "neighbourhood", MPM_NEIGHBOURHOODS + 1, &n, word));
-  if (!n && critical && !request->survey && !request->at_mach && MpmSceneIsPhysical(scene) &&
-      MpmLayoutIsUniform(&scene->layout))
-    word[n++] = ALL;
-  if (!n) word[n++] = MPM_IN_BULK;
+  request->table =
+      critical && !n && !request->survey && !request->at_mach && HasTable(scene) ? PETSC_TRUE : PETSC_FALSE;
+  if (!n)
+    n = Default(scene, critical && !request->survey && !request->at_mach && FillsSpace(scene), request->table, word);
   for (PetscInt i = 0; i < n; i++) Take(word[i], scene, request);
   if (!MpmSettingsGiven(settings, "layouts")) request->layouts = Is(request, "ensemble") ? MANY_LAYOUTS : SOME_LAYOUTS;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -10,8 +10,9 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
   const PetscBool   wanted = MpmNeighbourhoodsWanted(request);
   MpmExpect         expect = request->expect;
   MpmNeighbourhood  place  = {.kind = MPM_IN_BULK};
-  MpmNeighbourhoods around, *all = wanted ? &around : NULL;
-  MpmCritical       found, *bulk = request->neighbourhood[MPM_IN_BULK] ? &found : NULL;
+  MpmNeighbourhoods around, *all  = wanted ? &around : NULL;
+  MpmCritical       found, *bulk  = request->neighbourhood[MPM_IN_BULK] ? &found : NULL;
+  MpmStepTable      steps, *table = NULL;
 
   PetscFunctionBegin;
   expect.has[MPM_EXPECT_SPECTRUM] = PETSC_FALSE; /* it is about the waves on the scene's grid */
@@ -24,9 +25,13 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
     place = MpmNeighbourhoodOfCritical(bulk);
   }
   if (all) PetscCall(MpmNeighbourhoodsFind(scene, request, &place, PETSC_TRUE, all));
-  if (request->csv[0] && bulk) PetscCall(MpmCriticalWriteCsv(request->csv, scene, bulk));
+  if (request->table && bulk->courant > 0) { /* one that grows at every step has no table */
+    table = &steps;
+    PetscCall(MpmStepTableFind(scene, request, &place, all, table));
+  }
+  if (request->csv[0] && bulk) PetscCall(MpmCriticalWriteCsv(request->csv, scene, bulk, table));
   if (of.each) PetscCall(MpmCriticalWriteLayout(request->write_layout, scene, bulk));
-  PetscCall(MpmCriticalReport(scene, request, bulk, all, MPI_Wtime() - started));
+  PetscCall(MpmCriticalReport(scene, request, bulk, all, table, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&expect, all ? &all->finding : &bulk->asked, missed));
   PetscCall(MpmExpectNumber(&expect, MPM_EXPECT_CRITICAL, all ? all->courant : bulk->courant, missed));
   if (of.each) PetscCall(PetscFree(bulk->each));

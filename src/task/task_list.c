@@ -479,7 +479,7 @@ static PetscErrorCode ListCodes(void)
       MpmPrint("    by default: %-9s %s (%s)\n", said, here, file);
     }
     if (ran) MpmPrint("    run here: %s\n", ran);
-    if (scheme) MpmPrint("    limit %s: mpmstab critical %s\n", limit, scheme);
+    if (scheme) MpmPrint("    limit of a lattice %s: mpmstab critical %s\n", limit, scheme);
   }
   json_decref(codes);
   PetscFunctionReturn(PETSC_SUCCESS);

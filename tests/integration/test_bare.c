@@ -53,7 +53,7 @@ static PetscErrorCode CheckCritical(const char options[], PetscReal limit)
   PetscCall(MpmCriticalFind(&of, PETSC_FALSE, &c));
   CHECK(isnan(c.closed), "%s: closed form %g", options, c.closed);
   CHECK(fabs(c.courant / limit - 1) <= 1e-5, "%s: %.9g, not %.9g", options, c.courant, limit);
-  PetscCall(MpmCriticalReport(scene, &check_request, &c, NULL, 0));
+  PetscCall(MpmCriticalReport(scene, &check_request, &c, NULL, NULL, 0));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -121,7 +121,7 @@ static PetscErrorCode CheckLimitOf(PetscReal (*limit)(const MpmCellSymbols *), P
         c.disputed ? "disputed" : "not disputed");
   CHECK(c.asked.verdict == (disputed ? MPM_UNDECIDED : MPM_STABLE), "%s", MpmVerdictNames[c.asked.verdict]);
   CHECK(disputed == (strstr(c.asked.evidence, "closed form") != NULL), "%s", c.asked.evidence);
-  PetscCall(MpmCriticalReport(scene, &check_request, &c, NULL, 0));
+  PetscCall(MpmCriticalReport(scene, &check_request, &c, NULL, NULL, 0));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -93,7 +93,7 @@ def check_limits(codes):
     found = {}
     for name, code in codes.items():
         if code["limit"]:
-            limit, command = re.fullmatch(r"limit ([\d.]+): mpmstab (critical .*)", code["limit"]).groups()
+            limit, command = re.fullmatch(r"limit of a lattice ([\d.]+): mpmstab (critical .*)", code["limit"]).groups()
             if command not in found:
                 found[command] = printed(*command.split())
             check(f"critical Courant number: {limit}, for particles at rest" in found[command],

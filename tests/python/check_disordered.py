@@ -16,6 +16,8 @@ SAME = 1e-5  # limits by halving, with a tolerance of growth, and by an eigenval
 CASES = (("-formulation usl -basis quadratic -courant 0.9", 24, 10),
          ("-formulation musl -courant 1.41 -jitter 0.5", 24, 10),
          ("-formulation usavg -basis cubic -transfer pic -ppc 1", 24, 6),
+         ("-formulation verlet -basis quadratic", 24, 4),
+         ("-formulation rk -basis quadratic", 24, 4),
          ("-dim 2 -formulation usf -basis quadratic -ppc 1", 6, 6))
 
 
@@ -68,6 +70,30 @@ def check_worst(case, cells, bound):
     disordered = found["neighbourhoods"]["disordered"]["critical_courant"]
     assert abs(found["any_layout"] - bound) <= SAME * bound, (case, found["any_layout"], bound)
     assert bound * (1 - SAME) <= worst < 0.97 * disordered, (case, worst, disordered)
+    if "rk" in words:  # half the edge times that of musl (docs/theory.md, section 5)
+        words[words.index("rk")] = "musl"
+        musl = critical(words + ["-cells", str(cells), "-cell_width", "1", "-layout", "worst.csv"])[0]["critical_courant"]
+        assert abs(worst - math.sqrt(2) * musl) <= SAME * worst, (case, worst, musl)
+
+
+def check_table(case, kinds, recommended):
+    """Rows of the table of the default answer are the answers to each neighbourhood, and the step that is recommended."""
+    words, units = case.split(), "-sound_speed 8 -cell_width 0.5".split()
+    found, said = critical(words + units)
+    rows = {row["layout"]: row for row in found["layouts"]}
+    assert list(rows) == ["lattice", "disordered", "edge", "lone", "worst", "bound"], rows
+    for kind in kinds:
+        one = critical(words + ["-neighbourhood", kind])[0]["neighbourhoods"][kind]
+        limit = one.get("quantiles", {}).get("5", one.get("critical_courant"))
+        assert rows[kind].get("courant") == limit, (case, kind, rows[kind], one)
+    for row in [*rows.values(), found["recommended"]]:
+        assert ("courant" in row) == ("seconds" in row) and \
+            abs(row.get("seconds", 0) - row.get("courant", 0) * 0.5 / 8) < 1e-15, (case, row)
+    for name in set(rows) - {"lattice", "bound", *kinds}:
+        assert "courant" in rows[name] or f"-neighbourhood {name}" in rows[name]["how"] or name == "worst", (case, rows[name])
+    assert found["recommended"].get("courant") == (rows[recommended]["courant"] if recommended else None), (case, found)
+    zeros = [row for row in rows.values() if row.get("courant") == 0]
+    assert not zeros or "chi = 0 on hats" in said or "grows" in found["recommended"]["reason"] or not recommended, (case, said)
 
 
 if __name__ == "__main__":
@@ -78,4 +104,10 @@ if __name__ == "__main__":
         check_worst("-formulation usl -basis quadratic", 24, math.sqrt(1 / 3))
         check_worst("-formulation musl -basis quadratic", 24, math.sqrt(2 / 3))
         check_worst("-dim 2 -formulation usl -basis quadratic -ppc 1 -poisson 0", 6, math.sqrt(1 / 3))
+        check_worst("-formulation verlet -basis quadratic", 24, math.sqrt(2 / 3))
+        check_worst("-formulation rk -basis quadratic", 24, math.sqrt(4 / 3))
+        check_table("-formulation usl", ("disordered", "edge", "lone"), "disordered")
+        check_table("-formulation usl -basis quadratic -dim 2 -ppc 1", ("disordered", "edge", "lone"), "bound")
+        check_table("-formulation gas2", ("edge", "lone"), None)
+        check_table("-formulation usl -basis quadratic -dim 3 -ppc 1", ("lone",), "bound")
     sys.exit(0)
