@@ -289,27 +289,17 @@ static PetscErrorCode ReadMode(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadPolarisation(const MpmSettings *settings, MpmScene *scene)
-{
-  PetscFunctionBegin;
-  if (MpmSettingsSource(settings, "polarisation") == MPM_FROM_DEFAULT) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!MpmSceneHasPoisson(scene)) {
-    scene->polarisation = MPM_P_WAVE;
-    PetscCall(MpmSettingsRefuseUnless(
-        settings, "polarisation", "dim,formulation",
-        "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"));
-  }
-  if (scene->initial != MPM_INITIAL_MODE) {
-    scene->polarisation = MPM_P_WAVE;
-    PetscCall(MpmSettingsRefuseUnless(settings, "polarisation", "initial", "allowed: only with initial mode"));
-  }
-  if (scene->polarisation == MPM_S_WAVE && MpmSpaceIsFluid(&scene->scheme.space)) {
-    scene->polarisation = MPM_P_WAVE;
-    PetscCall(MpmSettingsRefuseUnless(settings, "polarisation", "poisson",
-                                      "a fluid has no S waves; allowed: p, or poisson below 0.5"));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+/* clang-format off */
+MPM_WHEN(HasNoPoisson, !MpmSceneHasPoisson(s))
+MPM_WHEN(IsNoMode, s->initial != MPM_INITIAL_MODE)
+MPM_WHEN(ShearsFluid, s->polarisation == MPM_S_WAVE && MpmSpaceIsFluid(&s->scheme.space))
+
+static const MpmRule of_polarisation[] = {
+  {"polarisation", "dim,formulation", MPM_FROM_SCENE, HasNoPoisson, "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"},
+  {"polarisation", "initial", MPM_FROM_SCENE, IsNoMode, "allowed: only with initial mode"},
+  {"polarisation", "poisson", MPM_FROM_SCENE, ShearsFluid, "a fluid has no S waves; allowed: p, or poisson below 0.5"},
+  {NULL}};
+/* clang-format on */
 
 /*
    Data that were asked for and do not exist are refused. Otherwise runs start from random data: also when a scene asks
@@ -317,11 +307,10 @@ static PetscErrorCode ReadPolarisation(const MpmSettings *settings, MpmScene *sc
 */
 static PetscErrorCode FallBack(const MpmSettings *settings, MpmScene *scene, const char by[], const char why[])
 {
-  static const char *const options[] = {"initial", "mode", "polarisation"};
+  const MpmRule rule[] = {{"initial,mode,polarisation", by, MPM_FROM_SCENE, NULL, why}, {NULL}};
 
   PetscFunctionBegin;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(options); i++)
-    PetscCall(MpmSettingsRefuseUnless(settings, options[i], by, why));
+  PetscCall(MpmSettingsCheckRules(settings, rule, NULL, NULL));
   scene->initial = MPM_INITIAL_RANDOM;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -359,7 +348,8 @@ PetscErrorCode MpmSettingsReadInitial(const MpmSettings *settings, MpmScene *sce
     PetscCall(FallBack(settings, scene, "kinematics",
                        "allowed: with kinematics finite; or mode, random, pulse, eigenmode and step"));
   PetscCall(ReadMode(settings, scene));
-  PetscCall(ReadPolarisation(settings, scene));
+  PetscCall(MpmSettingsCheckRules(settings, of_polarisation, scene, NULL));
+  if (HasNoPoisson(scene, NULL) || IsNoMode(scene, NULL) || ShearsFluid(scene, NULL)) scene->polarisation = MPM_P_WAVE;
   PetscCall(CheckExact(settings, scene));
   MpmSettingsRefuseIf(scene->initial == MPM_INITIAL_STEP &&
                           (!MpmEndIsFixed(scene->layout.grid[0].ends[0]) || scene->layout.grid[0].ends[1] != MPM_FREE),

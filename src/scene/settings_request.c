@@ -205,7 +205,7 @@ static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene
       scene->layout.dim > 1 && (kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH) ? PETSC_TRUE : PETSC_FALSE;
   const char   *names = rest ? strchr(replaced[kind], ',') + 1 : replaced[kind];
   char          why[128];
-  const MpmRule rule[] = {{names, NULL, MPM_FROM_COMMAND_LINE, NULL, why}, {NULL, NULL, MPM_FROM_DEFAULT, NULL, NULL}};
+  const MpmRule rule[] = {{names, NULL, MPM_FROM_COMMAND_LINE, NULL, why}, {NULL}};
 
   PetscFunctionBegin;
   (void)snprintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]);
