@@ -1,6 +1,7 @@
 /* What MpmEigenSolve is made of. */
 #pragma once
-#include "linalg/eigen.h"
+#include <mpmstab/compat.h>
+#include <slepceps.h>
 
 /* ---- all eigenvalues of a matrix that fits in the memory of one rank (eigen_dense.c) ---- */
 
