@@ -125,9 +125,10 @@ PetscErrorCode MpmFactorised(Mat matrix, KSP *solve)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Collide(const MpmSlab *slab, MpmLine *line)
+static PetscErrorCode Collide(const MpmSlab *slab, PetscInt nodes, MpmLine *line)
 {
-  Vec adds, slope[MPM_MAX_DIM];
+  const PetscInt component = line->src - nodes - line->op->src + line->op->axis;
+  Vec            adds, slope[MPM_MAX_DIM];
 
   PetscFunctionBegin;
   MpmCheckInput(
@@ -138,7 +139,7 @@ static PetscErrorCode Collide(const MpmSlab *slab, MpmLine *line)
   PetscCall(MpmCollision(slab, line->op, 0, NULL, &adds, slope));
   PetscCall(VecDestroy(&adds));
   for (PetscInt d = 0; d < slab->layout->dim; d++) {
-    if (line->src - line->dst == d - line->op->axis)
+    if (d == component)
       line->left = slope[d];
     else
       PetscCall(VecDestroy(&slope[d]));
@@ -158,7 +159,7 @@ PetscErrorCode MpmLineBind(const MpmStepProgram *p, MpmMaps *maps, MpmLine *line
     PetscCall(MpmFactorised(matrix, &line->solve));
     PetscCall(MatDestroy(&matrix));
   } else if (line->op->kind == MPM_COLLIDE)
-    PetscCall(Collide(maps->slab, line));
+    PetscCall(Collide(maps->slab, p->registers.n[0], line));
   else {
     PetscCall(MpmMapsGet(maps, line->op, &line->map));
     PetscCall(PetscObjectReference((PetscObject)line->map));
