@@ -5,7 +5,6 @@
 #include "base/large_pages.h"
 #include "march/clouds.h"
 #include "march/implicit_solve.h"
-#include "march/march_nodes.h"
 
 /* The passes that have plans: those of the schedule, its start, and that of each K. NULL after the last. */
 static const MpmPass *PassOf(const MpmMarch *march, PetscInt number)

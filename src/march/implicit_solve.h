@@ -67,30 +67,3 @@ PetscErrorCode MpmImplicitSolveDestroy(MpmImplicitSolve **solve);
 */
 void MpmImplicitSolveTotals(const MpmMarch *march, PetscInt64 *iterations, PetscInt64 *newton, PetscReal *seconds);
 PetscErrorCode MpmImplicitSolveApply(MpmMarch *march, PetscInt64 step, const MpmNodeOp *op);
-
-/*
-   MpmImplicitCopy     - copies a vector to the march's node registers from first on, or back
-   MpmImplicitSpread   - the same with their ghosts and the images beyond walls
-   MpmImplicitWeigh    - vector = M (vector + add), add NULL: 0. With whole, nodes without mass have a mass of 1, else of 0
-   MpmImplicitPass     - y = what the table of the system makes of x: one pass over the particles
-   MpmImplicitAssemble - the preconditioner's matrix, at the particles as they are
-
-   Collective.
-*/
-PetscErrorCode MpmImplicitCopy(const MpmMarch *march, PetscInt first, PetscBool back, Vec vector);
-PetscErrorCode MpmImplicitSpread(const MpmMarch *march, PetscInt first, Vec vector);
-PetscErrorCode MpmImplicitWeigh(const MpmMarch *march, Vec add, PetscBool whole, Vec vector);
-PetscErrorCode MpmImplicitPass(MpmImplicitSolve *solve, Vec x, Vec y);
-PetscErrorCode MpmImplicitAssemble(MpmImplicitSolve *solve);
-
-/*
-   Newton's method (implicit_newton.c). MpmImplicitCreateNewton makes the solver, MpmImplicitSetNewton says what it solves, and
-   MpmImplicitNewton does. MpmImplicitTerm - the term of a particle.
-
-   Collective; the last is not.
-*/
-PetscErrorCode MpmImplicitCreateNewton(MpmImplicitSolve *solve);
-PetscErrorCode MpmImplicitSetNewton(MpmImplicitSolve *solve);
-PetscErrorCode MpmImplicitDestroyNewton(MpmImplicitSolve *solve);
-PetscErrorCode MpmImplicitNewton(MpmImplicitSolve *solve);
-void           MpmImplicitTerm(MpmImplicitSolve *solve, PetscInt p);

@@ -1,5 +1,5 @@
 /* What a march does on nodes alone, row by row of nodes. */
-#include "march/march_nodes.h"
+#include "march/march_private.h"
 #include <math.h>
 
 PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const sums[], const MpmParity *const parity[],

@@ -83,21 +83,15 @@ static void RowAlong(const MpmNodalSolve *s, PetscInt a, PetscInt cell, PetscRea
                      PetscReal weight[])
 {
   const MpmGridAxis *axis = &s->grid->axis[a];
-  PetscInt           wall[2];
+  PetscInt           wall[2], node[MPM_MAX_REACH];
+  PetscReal          sign[MPM_MAX_REACH];
 
   MpmDirectionWalls(&s->layout->grid[a], axis->first + cell, wall);
   MpmMapRow(s->basis, MPM_G2P, xi, s->layout->half_width[a], wall, weight);
+  MpmNodesSeen(&s->layout->grid[a], s->basis, axis->first + cell, s->parity[a], PETSC_TRUE, node, sign);
   for (PetscInt d = 0; d < MpmMapReach(s->basis); d++) {
-    PetscInt  node = cell - s->basis->reach_left + d;
-    PetscReal sign = 1;
-
-    if (!axis->periodic) {
-      node = MpmDirectionImage(&s->layout->grid[a], axis->first + node, s->parity[a], &sign);
-      if (IsImposed(s, a, node)) sign = 0;
-      node -= axis->first;
-    }
-    place[d] = node * axis->stride;
-    weight[d] *= sign;
+    place[d] = (axis->periodic ? cell - s->basis->reach_left + d : node[d] - axis->first) * axis->stride;
+    weight[d] *= sign[d];
   }
 }
 

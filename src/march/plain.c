@@ -7,7 +7,6 @@
 */
 #include "march/finite.h"
 #include "march/implicit_solve.h"
-#include "march/march_nodes.h"
 #include "march/passes.h"
 
 /* The arrays of particles and nodes while a march is at work, and scratch registers of all particles one after another. */

@@ -56,89 +56,29 @@ INLINE void Spread(const PetscInt nodes, const MpmBlock *b, PetscInt stride, con
   for (PetscInt d = 0; d < nodes; d++) at[d] += sum[d];
 }
 
-#define LONGEST 4 /* particles of a run that has loops of its own */
-
-/*
-   The length of the runs of particles with the same first node, if each begins a node further on than the one before; 0: not
-   so. Their loops have no branch, and the compiler vectorises them.
-*/
-static PetscInt LengthOfRuns(const MpmBlock *b)
-{
-  PetscInt length = 0, unlike = 0;
-
-  while (length < b->n && length <= LONGEST && b->first[length] == b->first[0]) length++;
-  if (length > LONGEST || b->n % length) return 0;
-  for (PetscInt p = length; p < b->n; p++) unlike |= b->first[p] - b->first[p - length] - 1;
-  return unlike ? 0 : length;
-}
-
-INLINE void GatherRuns(const PetscInt length, const PetscInt nodes, const MpmBlock *b, PetscInt stride,
-                       const PetscReal *restrict weight, PetscReal a, PetscReal *restrict particle,
-                       const PetscReal *restrict node)
-{
-  const PetscReal *restrict at = node + b->first[0];
-
-  for (PetscInt j = 0; j < b->n / length; j++)
-    for (PetscInt i = 0; i < length; i++) {
-      PetscReal sum = 0;
-
-      for (PetscInt d = 0; d < nodes; d++) sum += weight[d * stride + length * j + i] * at[j + d];
-      particle[length * j + i] += a * sum;
-    }
-}
-
-INLINE void SpreadRuns(const PetscInt length, const PetscInt nodes, const MpmBlock *b, PetscInt stride,
-                       const PetscReal *restrict weight, PetscReal a, const PetscReal *restrict particle,
-                       PetscReal *restrict node)
-{
-  PetscReal *restrict at = node + b->first[0];
-
-  for (PetscInt d = 0; d < nodes; d++)
-    for (PetscInt j = 0; j < b->n / length; j++) {
-      PetscReal sum = 0;
-
-      for (PetscInt i = 0; i < length; i++) sum += weight[d * stride + length * j + i] * particle[length * j + i];
-      at[j + d] += a * sum;
-    }
-}
-
-/* Calls a map with the number of nodes, and the length of its runs, as constants where they are few. */
-#define OF_NODES(Map, ...)                                                                                             \
+/* Calls a map with the number of nodes as a constant where they are few. */
+#define OF_NODES(Map)                                                                                                  \
   do {                                                                                                                 \
     if (nodes == 2)                                                                                                    \
-      Map(__VA_ARGS__ 2, b, stride, weight, a, particle, node);                                                        \
+      Map(2, b, stride, weight, a, particle, node);                                                                    \
     else if (nodes == 3)                                                                                               \
-      Map(__VA_ARGS__ 3, b, stride, weight, a, particle, node);                                                        \
+      Map(3, b, stride, weight, a, particle, node);                                                                    \
     else if (nodes == 4)                                                                                               \
-      Map(__VA_ARGS__ 4, b, stride, weight, a, particle, node);                                                        \
+      Map(4, b, stride, weight, a, particle, node);                                                                    \
     else                                                                                                               \
-      Map(__VA_ARGS__ nodes, b, stride, weight, a, particle, node);                                                    \
-  } while (0)
-#define COMMA ,
-#define OF_RUNS(Map)                                                                                                   \
-  do {                                                                                                                 \
-    const PetscInt length = LengthOfRuns(b);                                                                           \
-                                                                                                                       \
-    if (length == 1)                                                                                                   \
-      OF_NODES(Map##Runs, 1 COMMA);                                                                                    \
-    else if (length == 2)                                                                                              \
-      OF_NODES(Map##Runs, 2 COMMA);                                                                                    \
-    else if (length > 2)                                                                                               \
-      OF_NODES(Map##Runs, length COMMA);                                                                               \
-    else                                                                                                               \
-      OF_NODES(Map, );                                                                                                 \
+      Map(nodes, b, stride, weight, a, particle, node);                                                                \
   } while (0)
 
 void MpmWeightsGather(const MpmBlock *b, PetscInt nodes, PetscInt stride, const PetscReal *restrict weight, PetscReal a,
                       PetscReal *restrict particle, const PetscReal *restrict node)
 {
-  OF_RUNS(Gather);
+  OF_NODES(Gather);
 }
 
 void MpmWeightsSpread(const MpmBlock *b, PetscInt nodes, PetscInt stride, const PetscReal *restrict weight, PetscReal a,
                       const PetscReal *restrict particle, PetscReal *restrict node)
 {
-  OF_RUNS(Spread);
+  OF_NODES(Spread);
 }
 
 void MpmScale(PetscInt n, PetscReal a, PetscReal *restrict particle)

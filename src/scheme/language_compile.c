@@ -11,8 +11,6 @@
 
 #define Refuse(c, ...) MpmRefuseLine((c)->written, (c)->text, __VA_ARGS__)
 
-static const char *const rank_names[] = {"scalar", "vector", "stress"}; /* as MpmRank */
-
 static const char *NameOf(const MpmCompiler *c, MpmPlace place, PetscInt field)
 {
   return place == MPM_ON_NODES ? c->f->node_fields[field] : c->f->particle_fields[field];
@@ -119,16 +117,6 @@ static PetscBool Fits(const MpmTerm *term, MpmRank to, MpmRank from)
                                                                                               : PETSC_FALSE;
 }
 
-static const char *WordOf(const MpmTerm *term)
-{
-  static const char *const words[] = {[MPM_P2G] = "P2G",   [MPM_DIV] = "DIV", [MPM_G2P] = "G2P",
-                                      [MPM_GRAD] = "GRAD", [MPM_LAP] = "LAP", [MPM_SOLVE] = "SOLVE"};
-
-  if (term->kind == MPM_COPY || term->kind == MPM_ADD) return "";
-  if (term->kind == MPM_GRAD && (term->dot || term->stress)) return term->dot ? "GRAD ." : "STRESS GRAD";
-  return words[term->kind];
-}
-
 static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmLine *line, const MpmTerm *term)
 {
   static const char *const makes[] = {"a scalar of a vector, or a vector of a stress or a scalar",
@@ -136,7 +124,7 @@ static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmLine *line, const MpmTe
                                       "a field of the same rank", "a scalar of a vector", "a stress of a vector"};
 
   const MpmOpTraits traits = MpmOpTraitsOf(term->kind);
-  const char       *word = WordOf(term), *blank = *word ? " " : "";
+  const char       *word = MpmOperationWord(term->kind, term->dot, term->stress), *blank = *word ? " " : "";
   const char       *dst = NameOf(c, line->place, line->field), *src = NameOf(c, term->place, term->field);
   const MpmRank     to = RankOf(c, line->place, line->field), from = RankOf(c, term->place, term->field);
 
@@ -146,7 +134,7 @@ static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmLine *line, const MpmTe
            dst, line->place == MPM_ON_NODES ? "nodes" : "particles",
            *word ? "" : "; allowed: P2G takes particles' fields to nodes, G2P the other way");
   if (!Fits(term, to, from))
-    Refuse(c, "%s is a %s and %s a %s; %s%sallowed: %s makes %s", dst, rank_names[to], src, rank_names[from], word,
+    Refuse(c, "%s is a %s and %s a %s; %s%sallowed: %s makes %s", dst, MpmRankNames[to], src, MpmRankNames[from], word,
            *word ? " does not fit; " : "", *word ? word : "a term",
            makes[term->dot                ? 3
                  : term->stress           ? 4
@@ -374,7 +362,7 @@ static PetscErrorCode Filter(MpmCompiler *c, const MpmLine *line)
   PetscFunctionBegin;
   if (c->f->particle_ranks[line->field] != c->f->node_ranks[line->other])
     Refuse(c, "%s is a %s and %s a %s; allowed: fields of the same rank", particle,
-           rank_names[c->f->particle_ranks[line->field]], node, rank_names[c->f->node_ranks[line->other]]);
+           MpmRankNames[c->f->particle_ranks[line->field]], node, MpmRankNames[c->f->node_ranks[line->other]]);
   if (c->filtered[line->field] & TimesOf(line->op)) Refuse(c, "%s is filtered a second time; allowed: once", particle);
   if (line->op == MPM_FILTER && c->written_to[line->other] && c->holds[line->other] != line->field)
     Refuse(c, "%s is not P2G of %s here; allowed: before it is set, or after '%s = P2G %s' and IMPOSE", node, particle,
@@ -409,7 +397,7 @@ static PetscErrorCode React(MpmCompiler *c, const MpmLine *line)
            imposed);
   if (c->f->node_ranks[line->field] != c->f->node_ranks[line->other])
     Refuse(c, "%s is a %s and %s a %s; allowed: fields of the same rank", node,
-           rank_names[c->f->node_ranks[line->field]], imposed, rank_names[c->f->node_ranks[line->other]]);
+           MpmRankNames[c->f->node_ranks[line->field]], imposed, MpmRankNames[c->f->node_ranks[line->other]]);
   c->node_read[line->other] = PETSC_TRUE;
   c->reacts[line->field]    = PETSC_TRUE;
   c->at_wall[line->field]   = PETSC_FALSE; /* it is the reaction there */
@@ -426,7 +414,8 @@ static PetscErrorCode Move(MpmCompiler *c, const MpmLine *line)
   PetscFunctionBegin;
   if (!c->written_to[line->field]) Refuse(c, "particles move with %s before the step has set it", node);
   if (c->f->node_ranks[line->field] != MPM_VECTOR)
-    Refuse(c, "%s is a %s; allowed: a vector, a velocity of the grid", node, rank_names[c->f->node_ranks[line->field]]);
+    Refuse(c, "%s is a %s; allowed: a vector, a velocity of the grid", node,
+           MpmRankNames[c->f->node_ranks[line->field]]);
   PetscCall(Emit(c, (MpmOp){.kind = line->op, .dst = MPM_NONE, .src = line->field, .factor = line->share}));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -444,7 +433,7 @@ static PetscErrorCode Implicit(MpmCompiler *c, const MpmLine *line)
   if (!c->written_to[line->field]) Refuse(c, "%s is solved for before the step has set it", node);
   if (!stressed || c->f->node_ranks[line->field] != MPM_VECTOR)
     Refuse(c, "%s is a %s; allowed: a vector, in a scheme with a stress", node,
-           rank_names[c->f->node_ranks[line->field]]);
+           MpmRankNames[c->f->node_ranks[line->field]]);
   (void)MpmPowersIsOne(&line->term[0].factor, &power);
   c->node_read[line->field] = PETSC_TRUE;
   PetscCall(Emit(c, (MpmOp){.kind        = MPM_IMPLICIT,

@@ -68,6 +68,15 @@ PetscErrorCode MpmNumberRead(const MpmWritten *written, const MpmWrittenText *te
 /* Not collective. The field of a name, and where it is; MPM_NOWHERE when there is none. */
 MpmPlace MpmWrittenFindField(const MpmWritten *written, const char name[], PetscInt *field);
 
+/*
+   Not collective. The word of an operation on a field, "" of none; GRAD with a dot, or after STRESS. MpmStatementWord: of IMPOSE and
+   the like. MpmRankNames: of MpmRank.
+*/
+const char *MpmOperationWord(MpmOpKind kind, PetscBool dot, PetscBool stress);
+const char *MpmStatementWord(MpmOpKind kind);
+
+extern const char *const MpmRankNames[];
+
 /* Not collective. Whether a word has a meaning of its own in lines, so that nothing else may have its name. */
 PetscBool MpmWrittenIsWord(const char name[]);
 

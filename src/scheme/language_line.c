@@ -55,6 +55,23 @@ static const struct {
                   {"IMPLICIT", MPM_LINE_IMPLICIT, MPM_IMPLICIT},
                   {"DRIFT", MPM_LINE_DRIFT, MPM_DRIFT}};
 
+const char *const MpmRankNames[] = {"scalar", "vector", "stress"};
+
+const char *MpmOperationWord(MpmOpKind kind, PetscBool dot, PetscBool stress)
+{
+  if (kind == MPM_GRAD && (dot || stress)) return dot ? "GRAD ." : "STRESS GRAD";
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(operations); i++)
+    if (operations[i].kind == kind) return operations[i].word;
+  return "";
+}
+
+const char *MpmStatementWord(MpmOpKind kind)
+{
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(statements); i++)
+    if (statements[i].op == kind) return statements[i].word;
+  return NULL;
+}
+
 PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText *where, const char format[], ...)
 {
   va_list        arguments;

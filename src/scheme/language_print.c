@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const rank_names[] = {"scalar", "vector", "stress"}; /* as MpmRank */
-
 /* ---- from a formulation to texts ---- */
 
 static PetscErrorCode Keep(const char text[], MpmWrittenText *kept)
@@ -42,26 +40,14 @@ static PetscErrorCode FactorText(const MpmOp *op, size_t room, char text[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const char *Word(const MpmFormulation *f, const MpmOp *op)
+/* The word of an operation and a blank, or nothing. */
+static void JoinWord(const MpmFormulation *f, const MpmOp *op, size_t room, char text[])
 {
-  switch (op->kind) {
-  case MPM_P2G:
-    return "P2G ";
-  case MPM_DIV:
-    return "DIV ";
-  case MPM_G2P:
-    return "G2P ";
-  case MPM_LAP:
-    return "LAP ";
-  case MPM_SOLVE:
-    return "SOLVE ";
-  case MPM_GRAD:
-    return f->particle_ranks[op->dst] == MPM_TENSOR   ? "STRESS GRAD "
-           : f->particle_ranks[op->dst] == MPM_SCALAR ? "GRAD . "
-                                                      : "GRAD ";
-  default:
-    return "";
-  }
+  const MpmRank to   = op->kind == MPM_GRAD ? f->particle_ranks[op->dst] : MPM_VECTOR;
+  const char   *word = MpmOperationWord(op->kind, to == MPM_SCALAR, to == MPM_TENSOR);
+
+  MpmTextJoin(text, word, room);
+  if (*word) MpmTextJoin(text, " ", room);
 }
 
 PetscErrorCode MpmWrittenLineText(const MpmFormulation *f, const MpmOp *op, size_t room, char text[])
@@ -69,33 +55,29 @@ PetscErrorCode MpmWrittenLineText(const MpmFormulation *f, const MpmOp *op, size
   const MpmOpTraits  traits = op->kind < MPM_OP_KINDS ? MpmOpTraitsOf(op->kind) : (MpmOpTraits){.dst = MPM_ON_NODES};
   const char *const *to     = traits.dst == MPM_ON_NODES ? f->node_fields : f->particle_fields;
   const char *const *from   = traits.src == MPM_ON_NODES ? f->node_fields : f->particle_fields;
+  const char        *word   = MpmStatementWord(op->kind);
   char               factor[64];
 
   PetscFunctionBegin;
+  PetscCall(FactorText(op, sizeof factor, factor));
   if (op->kind == MPM_DRIFT)
-    PetscCall(PetscStrncpy(text, "DRIFT", room));
+    PetscCall(PetscStrncpy(text, word, room));
   else if (op->kind == MPM_IMPOSE)
-    PetscCall(PetscSNPrintf(text, room, "IMPOSE %s", f->node_fields[op->dst]));
-  else if (op->kind == MPM_REACT)
-    PetscCall(PetscSNPrintf(text, room, "REACT %s %s", f->node_fields[op->dst], f->node_fields[op->src]));
-  else if (op->kind == MPM_MOVE || op->kind == MPM_MOVE_PROJECTED) {
-    PetscCall(FactorText(op, sizeof factor, factor));
-    PetscCall(PetscSNPrintf(text, room, "%s %s%s", op->kind == MPM_MOVE ? "MOVE" : "MOVE_PROJECTED", factor,
-                            f->node_fields[op->src]));
-  } else if (op->kind == MPM_FILTER || op->kind == MPM_FILTER_BEFORE || op->kind == MPM_FILTER_AFTER)
-    PetscCall(PetscSNPrintf(text, room, "%s %s %s",
-                            op->kind == MPM_FILTER ? "FILTER"
-                                                   : (op->kind == MPM_FILTER_BEFORE ? "FILTER_BEFORE" : "FILTER_AFTER"),
-                            f->particle_fields[op->dst], f->node_fields[op->src]));
+    PetscCall(PetscSNPrintf(text, room, "%s %s", word, f->node_fields[op->dst]));
+  else if (op->kind == MPM_MOVE || op->kind == MPM_MOVE_PROJECTED)
+    PetscCall(PetscSNPrintf(text, room, "%s %s%s", word, factor, f->node_fields[op->src]));
   else if (op->kind == MPM_IMPLICIT) {
-    PetscCall(FactorText(op, sizeof factor, factor));
-    PetscCall(PetscSNPrintf(text, room, "IMPLICIT %s %s%s", f->node_fields[op->dst],
+    PetscCall(PetscSNPrintf(text, room, "%s %s %s%s", word, f->node_fields[op->dst],
                             op->factor == 1 && !op->coefficient ? "1" : "", factor));
     for (size_t n = strlen(text); text[n - 1] == ' '; n--) text[n - 1] = 0;
-  } else {
-    PetscCall(FactorText(op, sizeof factor, factor));
-    PetscCall(PetscSNPrintf(text, room, "%s %s %s%s%s", to[op->dst], op->accumulates ? "+=" : "=", factor, Word(f, op),
-                            from[op->src]));
+  } else if (word) /* REACT is of two fields of nodes, a filter of one of particles and one of nodes */
+    PetscCall(PetscSNPrintf(text, room, "%s %s %s", word,
+                            (op->kind == MPM_REACT ? f->node_fields : f->particle_fields)[op->dst],
+                            f->node_fields[op->src]));
+  else {
+    PetscCall(PetscSNPrintf(text, room, "%s %s %s", to[op->dst], op->accumulates ? "+=" : "=", factor));
+    JoinWord(f, op, room, text);
+    MpmTextJoin(text, from[op->src], room);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -123,7 +105,7 @@ static PetscErrorCode SetText(const MpmFormulation *f, PetscInt n, const MpmOp o
     PetscCall(FactorText(op, sizeof factor, factor));
     MpmTextJoin(text, *used > 1 ? " + " : " ", room);
     MpmTextJoin(text, factor, room);
-    MpmTextJoin(text, Word(f, op), room);
+    JoinWord(f, op, room, text);
     MpmTextJoin(text, (op->kind == MPM_ADD ? f->particle_fields : f->node_fields)[op->src], room);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -214,7 +196,7 @@ static void PutFields(FILE *out, const char key[], PetscInt n, const MpmWrittenF
 {
   fprintf(out, "  %s: {", key);
   for (PetscInt i = 0; i < n; i++)
-    fprintf(out, "%s%s: %s", i ? ", " : "", fields[i].name.text, rank_names[fields[i].rank]);
+    fprintf(out, "%s%s: %s", i ? ", " : "", fields[i].name.text, MpmRankNames[fields[i].rank]);
   fprintf(out, "}\n");
 }
 
@@ -307,7 +289,7 @@ static void MixFields(uint64_t *hash, PetscInt n, const MpmWrittenField fields[]
 {
   for (PetscInt i = 0; i < n; i++) {
     MixText(hash, fields[i].name.text);
-    MixText(hash, rank_names[fields[i].rank]);
+    MixText(hash, MpmRankNames[fields[i].rank]);
   }
   Mix(hash, 1);
 }

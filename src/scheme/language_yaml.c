@@ -174,14 +174,13 @@ static PetscErrorCode CheckOnce(const MpmWritten *w)
 
 static PetscErrorCode RankOf(Reader *r, const yaml_node_t *value, MpmRank *rank)
 {
-  static const char *const names[] = {"scalar", "vector", "stress"};
-  MpmWrittenText           text    = {NULL, 0};
-  PetscErrorCode           ierr    = PETSC_SUCCESS;
-  size_t                   i       = 0;
+  MpmWrittenText text = {NULL, 0};
+  PetscErrorCode ierr = PETSC_SUCCESS;
+  size_t         i    = 0;
 
   PetscFunctionBegin;
   PetscCall(TextOf(r, "a rank", value, &text));
-  while (i < 3 && strcmp(text.text, names[i])) i++;
+  while (i < 3 && strcmp(text.text, MpmRankNames[i])) i++;
   if (i == 3) ierr = MpmWrittenRefuse(r->written, &text, "allowed as a rank: scalar, vector or stress");
   PetscCall(PetscFree(text.text));
   PetscCall(ierr);
