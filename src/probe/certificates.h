@@ -80,11 +80,12 @@ PetscBool MpmCertificateFails(const MpmCertificates *certificates, MpmCertificat
 
 /*
    Not collective. The first that does not hold, or MPM_CERTIFICATES. MpmCertificatesCure: the reason, from all of them, and
-   what can be done; NULL if all hold. MpmCertificatesSwitch: whether the base state is on a switch, of a code that repeats itself.
+   what can be done; NULL if all hold. MpmCertificateCure: what would make one hold. MpmCertificatesSwitch: whether the base state is on a switch, of a code that repeats itself.
 */
 MpmCertificate MpmCertificatesFault(const MpmCertificates *certificates);
 PetscBool      MpmCertificatesSwitch(const MpmCertificates *certificates);
 const char    *MpmCertificatesCure(const MpmCertificates *certificates);
+const char    *MpmCertificateCure(const MpmCertificates *certificates, MpmCertificate which);
 
 /*
    MpmCertifyStep - takes those that need no operator: two steps, additivity, one side, equilibrium, scales. The others are

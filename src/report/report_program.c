@@ -18,9 +18,13 @@ void MpmReportCertificates(json_t *result, const MpmCertificates *of)
                  MpmCertificateFails(of, c) ? "FAILS" : "holds", MpmCertificateTexts[c]);
     MpmResultKeep(its, "%g{bound} %d{holds?}", of->bound[c], !MpmCertificateFails(of, c));
     if (MpmCertificateFails(of, c)) MpmPrint("  %-12s%s\n", "", MpmCertificateFaults[c]);
+    if (MpmCertificateFails(of, c)) MpmResultKeep(its, "%s{cure}", MpmCertificateCure(of, c));
   }
   if (MpmCertificatesCure(of))
     MpmResultSay(result, "  what can be done: %s{what_can_be_done}\n", MpmCertificatesCure(of));
+  for (MpmCertificate c = MpmCertificatesFault(of); c < MPM_CERTIFICATES; c++)
+    if (MpmCertificateFails(of, c) && strcmp(MpmCertificateCure(of, c), MpmCertificatesCure(of)))
+      MpmPrint("  for %s to hold: %s\n", MpmCertificateNames[c], MpmCertificateCure(of, c));
   if (of->nfields) MpmPrint("  relative to the fields' scales:");
   for (PetscInt f = 0; f < of->nfields; f++) {
     const MpmFieldScale *field = &of->field[f];

@@ -360,11 +360,13 @@ def check_page():
     page = os.path.join(os.path.dirname(HERE), "..", "examples", "your-code")
     text = text_of(os.path.join(page, "PROGRAM.md"))
     commands = "".join(re.findall(r"```sh\n(.*?)```", text, re.S)).splitlines()
-    check(len(commands) == 10, f"the page has {len(commands)} commands")
-    *_, found, same, other, grid, drift, mach, ran = (
+    check(len(commands) == 12, f"the page has {len(commands)} commands")
+    *_, found, same, other, grid, drift, mach, ends, inside, ran = (
         run(*shlex.split(command.replace("python3 line.py", f"{sys.executable} {os.path.join(page, 'line.py')}"))[1:])
         for command in commands)
     check(abs(drift["symbol"]["growth"] - 1) < 1e-9 and mach["motion"]["drift"] == 0.1, f"moving: {drift['symbol']}, {mach['motion']}")
+    near("growth of the ends", ends["growth"], float(re.search(r"growth of ([0-9.]+) per step", text).group(1)), 5e-6)
+    near("limit in motion", inside["critical"]["critical_dt"], float(re.search(r"which is ([0-9.]+) for the interior", text).group(1)), 5e-9)
     check(ran["measured"]["low"] > 1, f"{ran['measured']}")
     check(same["comparison"]["same"], f"{same['comparison']}")
     by = float(re.search(r"`compare: differs in s from s \(by ([0-9.]+)\)`", text).group(1))
