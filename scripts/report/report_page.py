@@ -39,6 +39,16 @@ def verdict_box(entry):
             f"{size}. {evidence}</div>")
 
 
+def by_layout(found):
+    """The table of steps by layout in a sentence."""
+    rows = [f"{row['layout']} {number(row['courant'], '.4g')}" for row in found.get("layouts", []) if "courant" in row]
+    if not rows:
+        return ""
+    advice = found["recommended"]
+    step = number(advice["courant"], ".4g") if "courant" in advice else "none"
+    return f" Largest k by layout, particles at rest: {', '.join(rows)}. Recommended: {step} ({escaped(advice['reason'])})."
+
+
 def which_step(entry):
     answer = entry["answers"]["critical"]
     if not answer.done:
@@ -60,7 +70,8 @@ def which_step(entry):
     if worst != "bulk":
         inside = found["neighbourhoods"].get("bulk", {}).get("critical_courant")
         inside = f" Inside the body the limit is {number(inside, '.6g')}." if inside is not None else ""
-        return f"{said} This is the limit of the neighbourhood '{escaped(worst)}', the worst of those asked.{inside}"
+        return (f"{said} This is the limit of the neighbourhood '{escaped(worst)}', the worst of those asked."
+                f"{inside}{by_layout(found)}")
     beta = found.get("limited_by_beta")
     beta = math.hypot(*beta) if isinstance(beta, list) else beta
     if beta:
@@ -74,7 +85,7 @@ def which_step(entry):
         said += "." if diagonal is None else f" along x, {number(diagonal, '.6g')} along the diagonal."
     if "bound" in found:
         said += (f" Any layout of such particles at rest is stable up to {number(found['bound'], '.6g')}.")
-    return said
+    return said + by_layout(found)
 
 
 def how_accurate(entry):

@@ -10,6 +10,7 @@
 
 #define SHORT 8   /* so many times fewer moves has the search of a table */
 #define FEW 4     /* layouts that it moves */
+#define MANY 16   /* particles a cell of the random layouts of a table */
 #define SAME 1e-6 /* relative difference of limits that come of searches, which may be a little off */
 
 PetscBool MpmNeighbourhoodsWanted(const MpmRequest *request)
@@ -298,17 +299,19 @@ PetscBool MpmNeighbourhoodsHaveWindows(const MpmNeighbourhoods *all)
 /* ---- a table of steps ---- */
 
 /*
-   Whether a row of a table is not sought, since that takes long: in three dimensions, where layouts grow in windows, and at
-   an edge where growth does not begin at -1 (rk).
+   Whether a row of a table is not sought, since that takes long: in three dimensions, where layouts grow in windows, with
+   rk, whose growth does not begin at -1, and random layouts of many particles a cell.
 */
 static PetscBool LeavesOut(const MpmScene *scene, MpmNeighbourhoodKind kind)
 {
-  const MpmScheme *scheme = &scene->scheme;
+  const MpmLayout *l     = &scene->layout;
+  const PetscBool  quiet = scene->scheme.formulation->quiet ? PETSC_TRUE : PETSC_FALSE;
 
   if (kind == MPM_IN_BULK || kind == MPM_ALONE) return PETSC_FALSE;
-  if (scene->layout.dim > 2) return PETSC_TRUE;
-  if (kind == MPM_AT_EDGE) return scheme->formulation->quiet ? PETSC_TRUE : PETSC_FALSE;
-  return kind == MPM_DISORDERED && !MpmGrowthStays(&scene->layout, scheme, &scene->step) ? PETSC_TRUE : PETSC_FALSE;
+  if (l->dim > 2 || (l->dim == 2 && quiet)) return PETSC_TRUE;
+  if (kind == MPM_AT_EDGE) return quiet;
+  if (l->ppc[0] * (l->dim == 2 ? l->ppc[1] : 1) > MANY) return PETSC_TRUE;
+  return kind == MPM_DISORDERED && !MpmGrowthStays(l, &scene->scheme, &scene->step) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscErrorCode Row(const MpmScene *scene, const MpmRequest *request, MpmNeighbourhoodKind kind,

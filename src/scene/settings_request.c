@@ -53,14 +53,19 @@ static PetscBool HasTable(const MpmScene *scene)
              : PETSC_FALSE;
 }
 
-/* What is asked of where nothing was given. With a table of steps only what is quick: it names the others. */
+/*
+   What is asked of where nothing was given. With a table of steps only what is quick, since it names the others: edges
+   take long with rk, and random layouts where growth is not known to stay.
+*/
 static PetscInt Default(const MpmScene *scene, PetscBool all, PetscBool table, PetscInt word[])
 {
   static const PetscInt quick[] = {MPM_IN_BULK, MPM_ALONE, MPM_AT_EDGE, MPM_DISORDERED};
-  const PetscInt        n       = scene->layout.dim == 2 ? 4 : 2;
+  const MpmScheme      *scheme  = &scene->scheme;
+  const PetscBool       stays = scheme->formulation->leftmost && scheme->transfer->leftmost ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt        n     = scene->layout.dim == 3 || scheme->formulation->quiet ? 2 : stays ? 4 : 3;
 
   word[0] = all ? ALL : MPM_IN_BULK;
-  if (!all || !table || scene->layout.dim == 1) return 1;
+  if (!all || !table || (scene->layout.dim == 1 && n == 4)) return 1;
   for (PetscInt i = 0; i < n; i++) word[i] = quick[i];
   return n;
 }

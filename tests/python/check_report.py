@@ -96,6 +96,7 @@ def check_text(page):
     for value in (critical["critical_courant"], critical["growth_when_drifting"],
                   result("rests", "run")["run"]["error"]["u"]["l2"]):
         check(f'value="{value!r}"' in text, f"{value} is not on the page")
+    check("recommended" in critical and f"Recommended: none ({critical['recommended']['reason']})" in text, "rests: by layout")
     check("The published abs(G) is off by up to 0.293" in text and "gamma^2 + 2" in text, "why published differs")
     check("\nerror 0.001: nothing that is stable reaches it here" in text and 'alt="Error over run time' in text,
           "what work_precision.py said")
