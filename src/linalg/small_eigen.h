@@ -61,7 +61,7 @@ void MpmSmallQr(PetscInt n, double complex a[], double complex value[], PetscBoo
 /*
    MpmHermitianSolve - the eigenvalues of a Hermitian matrix of order n, the largest first, and eigenvectors of norm 1.
 
-   Not collective. It rotates until the numbers beside the diagonal are lost to rounding (Jacobi's method).
+   Not collective. By LAPACK's zheev; the eigenvalues are NaN where it has not converged.
 
    Input Parameters:
 +  n      - the order, 1 to MPM_MOST_HERMITIAN
