@@ -3,6 +3,7 @@
    the spacing and a phase. Panels are not left: their neighbours have starts of their own.
 */
 #include "analysis/patch_lattice.h"
+#include "analysis/search.h"
 #include "base/farm.h"
 #include <math.h>
 
@@ -10,10 +11,8 @@
 #define WITHIN 1.3 /* starts have at most so many times the least value */
 #define FIRST_STEP 0.125
 #define ROUGH 1e-4 /* the step with which the search from each start ends */
-#define ROUNDS 100 /* values that are rounding would go down without an end */
 #define FINEST 1e-8
-#define LEVEL 1e-13 /* relative; less than this is rounding, not a way down */
-#define FLAT 1e-10  /* relative */
+#define FLAT 1e-10 /* relative */
 #define VARIABLES (2 * MPM_MAX_DIM)
 
 /* A point: the panel of each direction with an end, and the variables: s, and where there is no end phase / pi. */
@@ -249,46 +248,22 @@ static PetscInt Starts(Work *w)
 
 /* ---- from a start ---- */
 
-/* Takes a step along one variable or two; returns whether it went down, as far as it did. */
-static PetscErrorCode Try(const MpmPatchSearch *s, const PetscReal by[], Point *at, PetscReal *value, PetscBool *down)
-{
-  PetscFunctionBegin;
-  for (PetscInt times = 0;; times++) {
-    Point     next = *at;
-    PetscReal there;
+/* Descends from a point in its panels. */
+typedef struct {
+  const MpmPatchSearch *search;
+  Point                *at;
+} Downhill;
 
-    for (PetscInt v = 0; v < Free(s); v++) next.u[v] += by[v];
-    Confine(s, &next);
-    PetscCall(ValueAt(s, &next, &there));
-    if (!(there < *value - LEVEL * fabs(*value))) break;
-    *at    = next;
-    *value = there;
-    *down  = PETSC_TRUE;
-    if (times > 8) break;
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Descend(const MpmPatchSearch *s, PetscReal step, PetscReal finest, Point *at, PetscReal *value)
+static PetscErrorCode ValueThere(void *context, PetscReal u[], PetscReal *value)
 {
-  const PetscInt n = Free(s);
+  const Downhill *d    = (const Downhill *)context;
+  Point           next = *d->at;
 
   PetscFunctionBegin;
-  PetscCall(ValueAt(s, at, value));
-  for (PetscInt rounds = 0; step >= finest && rounds < ROUNDS; rounds++) {
-    PetscBool down = PETSC_FALSE;
-
-    for (PetscInt v = 0; v < n; v++)
-      for (PetscInt w = v; w < n; w++)
-        for (PetscInt sign = 0; sign < (v == w ? 2 : 4); sign++) {
-          PetscReal by[VARIABLES] = {0};
-
-          by[v] = sign % 2 ? -step : step;
-          if (w != v) by[w] = sign / 2 ? -step : step;
-          PetscCall(Try(s, by, at, value, &down));
-        }
-    if (!down) step /= 2;
-  }
+  PetscCall(PetscArraycpy(next.u, u, Free(d->search)));
+  Confine(d->search, &next);
+  PetscCall(PetscArraycpy(u, next.u, Free(d->search)));
+  PetscCall(ValueAt(d->search, &next, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -297,9 +272,14 @@ static PetscErrorCode StartPart(void *context, PetscInt i)
   Work      *w     = (Work *)context;
   Point      at    = w->start[i];
   PetscReal *found = w->found + i * NUMBERS;
+  Downhill   there = {w->search, &at};
+
+  const MpmSearchDescent descent = {
+      .f = ValueThere, .context = &there, .n = Free(w->search), .together = 2, .finest = w->finest};
 
   PetscFunctionBegin;
-  PetscCall(Descend(w->search, w->step, w->finest, &at, &found[0]));
+  PetscCall(ValueAt(w->search, &at, &found[0]));
+  PetscCall(MpmSearchDescend(&descent, w->step, at.u, &found[0]));
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) found[1 + a] = (PetscReal)at.panel[a];
   for (PetscInt v = 0; v < VARIABLES; v++) found[1 + MPM_MAX_DIM + v] = at.u[v];
   PetscFunctionReturn(PETSC_SUCCESS);

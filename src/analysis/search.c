@@ -1,4 +1,4 @@
-/* Searches in one variable: first growth, scan, threshold, golden section. */
+/* Searches: first growth, scan, threshold and golden section in one variable, and steps downhill in several. */
 #include "analysis/search.h"
 #include <math.h>
 
@@ -7,6 +7,9 @@
 #define ABOVE 1.01  /* so far above a limit growth that fades is at most */
 #define STEEP 2     /* times the tolerance, and growth beyond a threshold is larger, whatever rounding does below */
 #define GOLDEN 0.6180339887498949
+#define LEVEL 1e-13 /* relative; less than this is rounding, not a way down */
+#define STRAIGHT 9  /* steps in one direction at a time */
+#define ROUNDS 200  /* values that are rounding would go down without an end */
 
 #define RATIO 1.25  /* of the Courant numbers of a scan, one over the other, */
 #define LINEAR 32   /* and so many at equal distances up to the limit */
@@ -213,6 +216,48 @@ PetscErrorCode MpmSearchLeast(MpmSearchFunction f, void *context, PetscInt steps
   }
   *x     = at_a <= at_b ? a : b;
   *value = PetscMin(at_a, at_b);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes steps by which the value goes down, as far as it does. down: whether it has. */
+static PetscErrorCode Try(const MpmSearchDescent *d, const PetscReal by[], PetscReal u[], PetscReal *value,
+                          PetscBool *down)
+{
+  PetscFunctionBegin;
+  for (PetscInt times = 0; times < STRAIGHT; times++) {
+    PetscReal next[MPM_SEARCH_VARIABLES], there;
+
+    for (PetscInt v = 0; v < d->n; v++) next[v] = u[v] + by[v];
+    PetscCall(d->f(d->context, next, &there));
+    if (!(there < *value - LEVEL * fabs(*value))) break;
+    PetscCall(PetscArraycpy(u, next, d->n));
+    *value = there;
+    *down  = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSearchDescend(const MpmSearchDescent *d, PetscReal step, PetscReal u[], PetscReal *value)
+{
+  PetscInt directions = 1;
+
+  PetscFunctionBegin;
+  for (PetscInt v = 0; v < d->n; v++) directions *= 3;
+  for (PetscInt rounds = 0; step > d->finest && rounds < ROUNDS; rounds++) {
+    PetscBool down = PETSC_FALSE;
+
+    for (PetscInt m = 0; m < directions; m++) {
+      PetscReal by[MPM_SEARCH_VARIABLES];
+      PetscInt  rest = m, moved = 0;
+
+      for (PetscInt v = 0; v < d->n; v++, rest /= 3) {
+        by[v] = step * (PetscReal)(rest % 3 - 1);
+        moved += rest % 3 != 1;
+      }
+      if (moved > 0 && moved <= d->together) PetscCall(Try(d, by, u, value, &down));
+    }
+    if (!down) step /= 2;
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

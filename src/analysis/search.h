@@ -7,6 +7,7 @@
      first k with growth, by following amplification factors                  MpmFollowFirst (follow.h)
      whether there is a threshold, or growth fades with k                     MpmSearchThreshold
      least value in one variable                                              MpmSearchLeast
+     least value in several, from a start                                     MpmSearchDescend
 
    Each function here is collective when the function is that it searches.
 */
@@ -62,6 +63,24 @@ PetscErrorCode MpmSearchThreshold(MpmSearchGrowth growth, void *context, PetscRe
 typedef PetscErrorCode (*MpmSearchFunction)(void *context, PetscReal x, PetscReal *value);
 PetscErrorCode MpmSearchLeast(MpmSearchFunction f, void *context, PetscInt steps, PetscReal lo, PetscReal hi,
                               PetscReal *x, PetscReal *value);
+
+/*S
+   MpmSearchDescent - f: computes what is made least, and moves variables back into their ranges. n: their number. together: a step
+   changes so many of them at most. finest: the search ends with this step.
+S*/
+#define MPM_SEARCH_VARIABLES 6
+typedef struct {
+  PetscErrorCode (*f)(void *context, PetscReal u[], PetscReal *value);
+  void     *context;
+  PetscInt  n, together;
+  PetscReal finest;
+} MpmSearchDescent;
+
+/*
+   MpmSearchDescend - goes down from u by steps along all variables and diagonals, half as long where none goes down. value: that at
+   u, before and after. The function need not be smooth.
+*/
+PetscErrorCode MpmSearchDescend(const MpmSearchDescent *descent, PetscReal step, PetscReal u[], PetscReal *value);
 
 /*
    Not collective. Phase m of MPM_CRITICAL_PHASES in (0, pi]. They lie closer near 0 and pi, where instability may be confined to a

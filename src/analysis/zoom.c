@@ -1,16 +1,11 @@
 /* The least value of a function of phases: a grid over all of them, then steps that shrink from the best places. */
+#include "analysis/search.h"
 #include "analysis/zoom.h"
 #include "symbol/source.h"
 #include <mpmstab/errors.h>
 #include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
 
 #define NEIGHBOURS 27 /* 3^dim, itself included */
-#define GAINS 1e-15   /* smaller relative gains are rounding */
-#define KEPT 512      /* values that a search keeps: neighbours of a place are mostly those of one before it */
-#define PARTS 40      /* phases are kept as parts of 2 pi, a power of two of them */
-#define MOVES 8       /* with one step; after them it is doubled, since small steps get nowhere along a valley */
 
 /* The grid. In direction a its indices run over lo[a] .. points; index -i is the phase of i with the other sign. */
 typedef struct {
@@ -152,63 +147,6 @@ static PetscErrorCode GridCreate(const MpmZoom *zoom, MpmZoomFunction f, void *c
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A value, and the phase that all with the same value by symmetry are taken for. */
-typedef struct {
-  PetscInt64 phase[MPM_MAX_DIM];
-  PetscReal  value;
-  PetscBool  known;
-} Kept;
-
-/* The phases, or their negatives, in the order that symmetry gives them. */
-static void Order(const MpmZoom *zoom, const PetscReal beta[], PetscReal sign, PetscInt64 phase[])
-{
-  const PetscInt64 half = (PetscInt64)1 << (PARTS - 1);
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) phase[a] = 0;
-  for (PetscInt a = 0; a < zoom->dim; a++) {
-    phase[a] = llrint(ldexp(remainder(sign * beta[a] / (2 * PETSC_PI), 1), PARTS));
-    if (zoom->mirror[a] || phase[a] == -half) phase[a] = llabs(phase[a]);
-  }
-  for (PetscInt a = 0; a < zoom->dim; a++)
-    for (PetscInt b = a + 1; b < zoom->dim; b++) {
-      const PetscInt64 other = phase[b];
-
-      if (zoom->alike[a] != zoom->alike[b] || other <= phase[a]) continue;
-      phase[b] = phase[a];
-      phase[a] = other;
-    }
-}
-
-static PetscBool SamePhase(const PetscInt64 a[], const PetscInt64 b[])
-{
-  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2] ? PETSC_TRUE : PETSC_FALSE;
-}
-
-/* As Value. What is known already, from this phase or from one with the same value, is not computed again. */
-static PetscErrorCode ValueOnce(const MpmZoom *zoom, MpmZoomFunction f, void *context, const PetscReal beta[],
-                                Kept kept[], PetscReal *value)
-{
-  PetscInt64 phase[2][MPM_MAX_DIM];
-  PetscInt   least = 0;
-  uint64_t   place = 0;
-  Kept      *k;
-
-  PetscFunctionBegin;
-  Order(zoom, beta, 1, phase[0]);
-  Order(zoom, beta, -1, phase[1]);
-  for (PetscInt a = MPM_MAX_DIM - 1; a >= 0; a--)
-    if (phase[0][a] != phase[1][a]) least = phase[0][a] < phase[1][a] ? 0 : 1;
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) place = (place + (uint64_t)phase[least][a]) * 0x9e3779b97f4a7c15U;
-  k = &kept[(place >> 32) % KEPT];
-  if (!k->known || !SamePhase(k->phase, phase[least])) {
-    PetscCall(Value(zoom, f, context, beta, &k->value));
-    PetscCall(PetscArraycpy(k->phase, phase[least], MPM_MAX_DIM));
-    k->known = PETSC_TRUE;
-  }
-  *value = k->value;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscInt NeighboursOf(PetscInt dim)
 {
   return dim == 3 ? NEIGHBOURS : dim == 2 ? NEIGHBOURS / 3 : NEIGHBOURS / 9;
@@ -260,38 +198,31 @@ static PetscInt FindStarts(const Grid *g, PetscInt starts[])
   return n;
 }
 
+typedef struct {
+  const MpmZoom  *zoom;
+  MpmZoomFunction f;
+  void           *context;
+} Downhill;
+
+static PetscErrorCode ValueThere(void *context, PetscReal beta[], PetscReal *value)
+{
+  const Downhill *d = (const Downhill *)context;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < d->zoom->dim; a++) beta[a] = Wrap(beta[a]);
+  PetscCall(Value(d->zoom, d->f, d->context, beta, value));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmZoomFrom(const MpmZoom *zoom, MpmZoomFunction f, void *context, PetscReal step, PetscReal beta[],
                            PetscReal *value)
 {
-  const PetscReal first      = step;
-  PetscInt        moves      = 0;
-  Kept            kept[KEPT] = {{.known = PETSC_FALSE}};
+  Downhill               there   = {zoom, f, context};
+  const MpmSearchDescent descent = {
+      .f = ValueThere, .context = &there, .n = zoom->dim, .together = zoom->dim, .finest = zoom->finest};
 
   PetscFunctionBegin;
-  while (step > zoom->finest) {
-    PetscReal best[MPM_MAX_DIM], least = *value, other = INFINITY;
-
-    for (PetscInt m = 0; m < NeighboursOf(zoom->dim); m++) {
-      PetscReal next[MPM_MAX_DIM];
-
-      if (m == NeighboursOf(zoom->dim) / 2) continue; /* where it is */
-      for (PetscInt a = 0; a < zoom->dim; a++) next[a] = Wrap(beta[a] + step * (PetscReal)Towards(m, a));
-      PetscCall(ValueOnce(zoom, f, context, next, kept, &other));
-      if (other >= least - GAINS * PetscAbsReal(least)) continue;
-      least = other;
-      PetscCall(PetscArraycpy(best, next, zoom->dim));
-    }
-    if (least < *value) {
-      *value = least;
-      PetscCall(PetscArraycpy(beta, best, zoom->dim));
-      if (++moves < MOVES) continue;
-      step  = PetscMin(2 * step, first);
-      moves = 0;
-    } else {
-      step /= 2;
-      moves = 0;
-    }
-  }
+  PetscCall(MpmSearchDescend(&descent, step, beta, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
