@@ -4,7 +4,6 @@
    the closed form.
 */
 #include "analysis/critical_parts.h"
-#include "analysis/leftmost.h"
 #include "analysis/lone.h"
 #include "analysis/modes.h"
 #include "analysis/waves.h"

@@ -7,7 +7,7 @@
 */
 #include "analysis/critical_parts.h"
 #include "analysis/follow.h"
-#include "analysis/leftmost.h"
+#include "analysis/lone.h"
 #include "analysis/modes.h"
 #include "march/march_private.h"
 #include "scene/layout.h"

@@ -5,7 +5,7 @@
    In two and three dimensions the limit of waves along an axis is an upper bound. Oblique waves are sampled below it.
 */
 #include "analysis/critical_parts.h"
-#include "analysis/leftmost.h"
+#include "analysis/lone.h"
 #include "scene/layout.h"
 #include "analysis/waves.h"
 #include "symbol/source.h"

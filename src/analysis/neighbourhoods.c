@@ -1,6 +1,5 @@
 /* Asks each neighbourhood's own search, and takes the worst of what they find. */
 #include "analysis/critical_parts.h"
-#include "analysis/leftmost.h"
 #include "analysis/lone.h"
 #include "analysis/neighbourhoods.h"
 #include "analysis/patch.h"

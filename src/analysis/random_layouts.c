@@ -6,7 +6,7 @@
    In units in which a node's value is multiplied by the root of its mass it is P_ip W_jp / sqrt(m_i m_j), which has
    entries of order 1 however little mass a node has. Nodes without mass are left out.
 */
-#include "analysis/leftmost.h"
+#include "analysis/lone.h"
 #include "analysis/random_layouts.h"
 #include "analysis/search.h"
 #include "base/farm.h"
@@ -32,7 +32,6 @@ typedef struct {
   const MpmNodalPlan    *plan;
   MpmRandomLayouts      *asked;
   PetscReal              courant, *growth; /* growth of each layout at this Courant number */
-  PetscBool             *looks;            /* whether a layout is looked at */
   PetscInt               evaluations;
 } Search;
 
@@ -45,6 +44,7 @@ typedef struct {
   double complex **coefficient;
   PetscReal       *matrix, *re, *im;
   PetscInt        *evaluations;
+  PetscBool        failed; /* LAPACK did not converge at some Courant number */
 } Boxed;
 
 /* Layout i. given: that of a layout with particles anywhere, else NULL; destroyed with MpmGivenDestroy. */
@@ -211,6 +211,7 @@ static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth
   }
   PetscCall(MpmDenseEigen(b->n, b->matrix, b->re, b->im, NULL, &failed));
   *growth = failed ? NAN : 0;
+  if (failed) b->failed = PETSC_TRUE;
   for (PetscInt i = 0; i < b->n && !failed; i++) *growth = PetscMax(*growth, hypot(b->re[i], b->im[i]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -221,67 +222,29 @@ static PetscErrorCode GrowthOf(void *context, PetscInt i)
   Boxed   b;
 
   PetscFunctionBegin;
-  s->growth[i] = 0;
-  if (!s->looks[i]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(BoxedCreate(s, i, &b));
   PetscCall(Growth(&b, s->courant, &s->growth[i]));
   PetscCall(BoxedDestroy(&b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Growth at a Courant number of the layouts that are looked at. grows: how many are beyond tolerance, or not known. */
-static PetscErrorCode GrowthOfAll(Search *s, PetscReal courant, PetscInt *grows)
+static PetscErrorCode GrowthOfAll(Search *s, PetscReal courant)
 {
   PetscFunctionBegin;
   s->courant = courant;
   PetscCall(PetscArrayzero(s->growth, s->asked->n));
   PetscCall(MpmFarm("layout", s->asked->n, GrowthOf, s));
   PetscCall(MpmFarmSumReals(s->asked->n, s->growth));
-  *grows = 0;
-  for (PetscInt i = 0; i < s->asked->n; i++) *grows += s->growth[i] <= 1 + s->of->tolerance ? 0 : 1;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Goes on with those that grow, which are the only ones whose limit may be the least. */
-static void KeepThoseThatGrow(Search *s)
-{
-  for (PetscInt i = 0; i < s->asked->n; i++)
-    s->looks[i] = s->growth[i] <= 1 + s->of->tolerance ? PETSC_FALSE : PETSC_TRUE;
-}
-
-static PetscInt FirstOf(const Search *s)
-{
-  PetscInt i = 0;
-
-  while (!s->looks[i]) i++;
-  return i;
-}
-
-/* Without a threshold the limit is 0. All ranks do the same here, which counts once. */
-static PetscErrorCode Threshold(Search *s, const PetscReal bracket[2])
-{
-  const PetscInt before   = s->evaluations;
-  MpmCritical    critical = {.stable_at = bracket[0], .unstable_at = bracket[1], .threshold = PETSC_TRUE};
-  Boxed          b;
-
-  PetscFunctionBegin;
-  PetscCall(BoxedCreate(s, FirstOf(s), &b));
-  PetscCall(MpmSearchThreshold(Growth, &b, s->of->tolerance, 0, &critical));
-  PetscCall(BoxedDestroy(&b));
-  s->asked->fades   = critical.threshold ? PETSC_FALSE : PETSC_TRUE;
-  s->asked->courant = critical.threshold ? bracket[0] : 0;
-  if (MpmRankOf(PETSC_COMM_WORLD)) s->evaluations = before;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* The largest growth of all layouts at a Courant number. */
 static PetscErrorCode LargestGrowth(void *context, PetscReal courant, PetscReal *growth)
 {
-  Search  *s = (Search *)context;
-  PetscInt grows;
+  Search *s = (Search *)context;
 
   PetscFunctionBegin;
-  PetscCall(GrowthOfAll(s, courant, &grows));
+  PetscCall(GrowthOfAll(s, courant));
   *growth = 0;
   for (PetscInt i = 0; i < s->asked->n; i++)
     if (!(s->growth[i] <= *growth)) *growth = s->growth[i];
@@ -292,7 +255,6 @@ static PetscErrorCode LargestGrowth(void *context, PetscReal courant, PetscReal 
 static PetscErrorCode ScanForLimit(Search *s)
 {
   MpmCritical critical = {.threshold = PETSC_TRUE};
-  PetscInt    grows;
 
   PetscFunctionBegin;
   PetscCall(MpmSearchScan(LargestGrowth, s, s->of->tolerance, s->of->step.courant, PRECISION, &critical));
@@ -300,9 +262,9 @@ static PetscErrorCode ScanForLimit(Search *s)
   s->asked->fades   = critical.threshold ? PETSC_FALSE : PETSC_TRUE;
   s->asked->courant = isinf(critical.unstable_at) ? INFINITY : critical.threshold ? critical.stable_at : 0;
   if (isinf(critical.unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(GrowthOfAll(s, critical.unstable_at, &grows));
-  KeepThoseThatGrow(s);
-  s->asked->worst = s->asked->seed + FirstOf(s);
+  PetscCall(GrowthOfAll(s, critical.unstable_at));
+  for (PetscInt i = s->asked->n - 1; i >= 0; i--)
+    if (!(s->growth[i] <= 1 + s->of->tolerance)) s->asked->worst = s->asked->seed + i;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -328,18 +290,16 @@ static PetscErrorCode LinearLimit(Boxed *b, PetscReal *limit)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The same by halving, where it is below a Courant number; else that number. */
-static PetscErrorCode HalvedLimit(Boxed *b, PetscReal to, PetscReal *limit)
+/* The same by growth, where it is below a Courant number; else infinite. */
+static PetscErrorCode SoughtLimit(Boxed *b, PetscReal to, PetscReal *limit)
 {
-  PetscReal bracket[2] = {LEAST, to}, growth, middle = to;
+  const MpmSearchSteps steps = {.from = to, .to = to, .least = LEAST};
+  PetscReal            bracket[2];
 
   PetscFunctionBegin;
-  do {
-    PetscCall(Growth(b, middle, &growth));
-    bracket[growth <= 1 + b->search->of->tolerance ? 0 : 1] = middle;
-    middle = bracket[0] > LEAST || to == MPM_CRITICAL_TO ? sqrt(bracket[0] * bracket[1]) : bracket[1] / 2;
-  } while (!isnan(growth) && bracket[1] > bracket[0] * (1 + PRECISION));
-  *limit = isnan(growth) ? NAN : bracket[0] >= MPM_CRITICAL_TO ? INFINITY : bracket[0];
+  b->failed = PETSC_FALSE;
+  PetscCall(MpmSearchFirst(Growth, b, b->search->of->tolerance, &steps, PRECISION, bracket));
+  *limit = b->failed ? NAN : isinf(bracket[1]) ? INFINITY : PetscMax(bracket[0], LEAST);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -348,7 +308,7 @@ static PetscErrorCode LimitOfBox(Boxed *b, PetscReal to, PetscReal *limit)
 {
   PetscFunctionBegin;
   PetscCall(b->search->plan->degree == 1 ? LinearLimit(b, limit)
-                                         : HalvedLimit(b, PetscMin(to, MPM_CRITICAL_TO), limit));
+                                         : SoughtLimit(b, PetscMin(to, MPM_CRITICAL_TO), limit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -487,40 +447,21 @@ static PetscErrorCode FindLimits(Search *s)
   }
   if (asked->write && *asked->write && isfinite(asked->courant)) PetscCall(Write(s));
   PetscCall(PetscSortReal(asked->n, s->growth));
-  for (PetscInt q = 0; q < MPM_QUANTILES; q++)
+  for (PetscInt q = 0; q < MPM_QUANTILES && asked->scatter; q++)
     asked->quantile[q] = s->growth[(MpmQuantiles[q] * asked->n + 99) / 100 - 1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Halves a bracket of the least limit. Below it no layout grows, and above it those that are looked at do. */
 static PetscErrorCode FindLimit(Search *s)
 {
-  PetscReal bracket[2] = {LEAST, MPM_CRITICAL_TO};
-  PetscInt  grows;
+  const MpmCriticalCase *of = s->of;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < s->asked->n; i++) s->looks[i] = PETSC_TRUE;
-  if (s->asked->scatter && MpmGrowthStays(s->of->layout, s->of->scheme, &s->of->step)) {
+  if (MpmLeftmostDecides(of->layout, of->scheme, &of->step) ||
+      (s->asked->scatter && MpmGrowthStays(of->layout, of->scheme, &of->step)))
     PetscCall(FindLimits(s));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (!MpmLeftmostDecides(s->of->layout, s->of->scheme, &s->of->step)) {
+  else
     PetscCall(ScanForLimit(s));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(GrowthOfAll(s, bracket[1], &grows));
-  s->asked->courant = INFINITY;
-  if (!grows) PetscFunctionReturn(PETSC_SUCCESS);
-  KeepThoseThatGrow(s);
-  while (bracket[1] > bracket[0] * (1 + PRECISION)) {
-    const PetscReal middle = sqrt(bracket[0] * bracket[1]);
-
-    PetscCall(GrowthOfAll(s, middle, &grows));
-    bracket[grows ? 1 : 0] = middle;
-    if (grows) KeepThoseThatGrow(s);
-  }
-  s->asked->worst = s->asked->seed + FirstOf(s);
-  PetscCall(Threshold(s, bracket));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -528,18 +469,16 @@ static PetscErrorCode FindLimit(Search *s)
 static PetscErrorCode FindGrowth(Search *s)
 {
   MpmRandomLayouts *asked = s->asked;
-  PetscInt          grows;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < asked->n; i++) s->looks[i] = PETSC_TRUE;
-  PetscCall(GrowthOfAll(s, s->of->step.courant, &grows));
+  PetscCall(GrowthOfAll(s, s->of->step.courant));
   for (PetscInt i = 0; i < asked->n; i++) {
     if (isnan(s->growth[i])) asked->undecided++;
+    if (s->growth[i] > 1 + s->of->tolerance) asked->unstable++;
     if (s->growth[i] <= asked->growth) continue;
     asked->growth = s->growth[i];
     asked->worst  = asked->seed + i;
   }
-  asked->unstable = grows - asked->undecided;
   if (asked->undecided) asked->growth = NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -557,12 +496,12 @@ PetscErrorCode MpmRandomLayoutsFind(const MpmCriticalCase *of, MpmRandomLayouts 
   asked->worst    = asked->seed;
   asked->unstable = asked->undecided = 0;
   for (PetscInt q = 0; q < MPM_QUANTILES; q++) asked->quantile[q] = NAN;
-  PetscCall(PetscMalloc2(asked->n, &s.growth, asked->n, &s.looks));
+  PetscCall(PetscMalloc1(asked->n, &s.growth));
   PetscCall(FindGrowth(&s));
   if (asked->limits) PetscCall(FindLimit(&s));
   PetscCall(MpmFarmSumInts(1, &s.evaluations));
   asked->evaluations = s.evaluations;
-  PetscCall(PetscFree2(s.growth, s.looks));
+  PetscCall(PetscFree(s.growth));
   PetscCall(MpmNodalPlanDestroy(&plan));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -52,8 +52,8 @@ typedef struct {
    MpmLayoutIsVoid says so. Particles are at rest and alike, and there are no walls.
 
    The eigenvalues are those of the nodal operator (operator/nodal.h). Where a layout that has become unstable stays so
-   (MpmLeftmostDecides), the least limit is found by halving between 1e-6 and 64, with those layouts alone that grow at the
-   upper end. Else all layouts are looked at (MpmSearchScan).
+   (MpmLeftmostDecides, MpmGrowthStays) the limit of each between 1e-6 and 64 is found, by one factorisation where the operator
+   is linear in a power of the Courant number. Else all layouts are looked at together (MpmSearchScan).
 
    Errors: PETSC_ERR_SUP for a table whose nodal operator needs more than maps between particles and nodes and LAP.
 */

@@ -8,7 +8,7 @@
 #include "linalg/eigen.h"
 #include "linalg/singular.h"
 #include "operator/nodal.h"
-#include "analysis/leftmost.h"
+#include "analysis/lone.h"
 #include "analysis/spectrum.h"
 #include <math.h>
 #include <sys/resource.h>

@@ -5,7 +5,7 @@
 */
 #include "check.h"
 #include "analysis/ensemble.h"
-#include "analysis/leftmost.h"
+#include "analysis/lone.h"
 #include "base/hash.h"
 #include "linalg/eigen.h"
 #include "operator/nodal.h"
