@@ -57,16 +57,28 @@ void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscInt64 step, PetscR
   for (PetscInt a = 0; a < march->grid->dim; a++) load[a] = unit * (scene->gravity[a] + force[a]);
 }
 
+/* Adds what colliders of contact penalty give particle p. */
+static void Push(const MpmMarch *march, const MpmFiniteBlock *block, PetscInt p, PetscReal load[])
+{
+  PetscReal x[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < march->grid->dim; a++)
+    x[a] = march->grid->axis[a].first + block->cell[a][p] + block->xi[a][p];
+  (void)MpmCollidersPush(march->layout->colliders, march->grid->dim, x, MpmMarchTime(march, block->step), load);
+}
+
 /* Tables of marches without a scene have no LOAD. */
 static void Load(const MpmMarch *march, const MpmFiniteBlock *block)
 {
-  PetscReal load[MPM_MAX_DIM];
+  const PetscBool pushes = MpmCollidersStiffness(march->layout->colliders) > 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal       load[MPM_MAX_DIM];
 
   for (PetscInt p = 0; p < block->n; p++) {
     if (march->solving && march->solving->product)
       load[0] = load[1] = load[2] = 0;
-    else if (p == 0 || march->scene->body_force)
+    else if (p == 0 || march->scene->body_force || pushes)
       MpmFiniteLoad(march, block->id[p], block->step, block->a, load);
+    if (pushes) Push(march, block, p, load);
     for (PetscInt a = 0; a < march->grid->dim; a++) block->to[a][p] = load[a];
   }
 }

@@ -50,6 +50,8 @@ static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, Pets
   const PetscReal  size     = noise * (stretch ? UnitOf(march, t->component[r]) : 1);
   const PetscBool  internal = stretch && t->component[r] >= t->dim * t->dim ? PETSC_TRUE : PETSC_FALSE;
   const PetscInt64 seed     = SeedOf(march, r);
+  const MpmGiven  *given    = march->layout->given;
+  const PetscReal *own      = given && !stretch && t->field[r] != MPM_NONE ? given->velocity[t->component[r]] : NULL;
   PetscReal       *q;
 
   PetscFunctionBegin;
@@ -59,6 +61,7 @@ static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, Pets
 
     MpmParticlesLagrangian(march->particles, id[p], march->cell_width, X);
     q[p] = Start(march, profile, r, march->scene ? X : NULL);
+    if (own) q[p] = own[id[p]];
     if (size > 0 && !internal) q[p] += size * (2 * MpmHash(seed, id[p]) - 1);
   }
   PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
@@ -271,6 +274,35 @@ static PetscErrorCode GravityEnergy(const MpmMarch *march, PetscReal *sum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Adds the energy of this rank's particles in colliders that push them, in units of rho0 c^2. */
+static PetscErrorCode PushEnergy(const MpmMarch *march, PetscReal *sum)
+{
+  const MpmColliders *colliders = march->layout->colliders;
+  const PetscInt      dim       = march->grid->dim;
+  const PetscReal    *xi[MPM_MAX_DIM], *mass;
+  const PetscInt     *cell[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  if (!(MpmCollidersStiffness(colliders) > 0)) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMarchGetProperty(march, MPM_MASS, &mass));
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldCell[a], &cell[a]));
+    PetscCall(MpmParticlesGet(march->particles, MpmFieldXi[a], &xi[a]));
+  }
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    PetscReal x[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < dim; a++) x[a] = march->grid->axis[a].first + cell[a][p] + xi[a][p];
+    *sum += (mass ? mass[p] : 1) * MpmCollidersPush(colliders, dim, x, MpmMarchTime(march, march->step), NULL);
+  }
+  for (PetscInt a = 0; a < dim; a++) {
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[a], &xi[a]));
+    PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell[a]));
+  }
+  PetscCall(MpmMarchRestoreProperty(march, MPM_MASS, &mass));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Adds the strain energy of this rank's particles, in units of rho0 c^2. */
 static PetscErrorCode StrainEnergy(const MpmMarch *march, PetscReal psi[], PetscReal *sum)
 {
@@ -333,6 +365,7 @@ PetscErrorCode MpmFiniteNorms(const MpmMarch *march, MpmNorms *norms)
   PetscCall(SeenSquares(march, &sums[2]));
   PetscCall(KineticEnergy(march, 0, &sums[1]));
   PetscCall(GravityEnergy(march, &sums[1]));
+  PetscCall(PushEnergy(march, &sums[1]));
   PetscCall(StrainEnergy(march, way[0], &sums[1]));
   for (PetscInt a = 0; a < march->grid->dim; a++) PetscCall(PetscFree(way[a]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));

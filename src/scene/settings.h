@@ -321,8 +321,11 @@ PetscBool MpmFormulationIsProjected(const MpmFormulation *formulation);
 */
 PetscErrorCode MpmSettingsReadGrid(const MpmSettings *settings, MpmScene *scene);
 
-/* Collective. Reads the colliders of a scene whose grid, step, ends and wave speed are known. */
+/*
+   Collective. Read the rigid bodies and then the bodies of particles of a scene whose grid, step, ends, law and wave speed are known.
+*/
 PetscErrorCode MpmSettingsReadColliders(const MpmSettings *settings, MpmScene *scene);
+PetscErrorCode MpmSettingsReadBodies(const MpmSettings *settings, MpmScene *scene);
 
 /*
    Collective. Reads the initial data of a scene whose layout, scheme and ends are known. Those that were not asked for

@@ -316,6 +316,8 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, const MpmScene *s
   if (scene) PetscCall(CheckModeFile(settings, scene, request));
   PetscCall(MpmSettingsReadFiles(settings, request));
   PetscCall(CheckEvery(settings, "output_every", "output", request->output, request, &request->output_every));
+  MpmSettingsRefuseIf(request->output_interval > 0 && !request->output[0], settings, "output_interval",
+                      "allowed: only with output");
   PetscCall(
       CheckEvery(settings, "checkpoint_every", "checkpoint", request->checkpoint, request, &request->checkpoint_every));
   MpmSettingsRefuseIf(request->output[0] && scene && scene->layout.particles > PETSC_MAX_INT / 3, settings, "output",

@@ -9,6 +9,8 @@ static const char *WhyNot(const MpmScene *scene)
   if (!scene->scheme.space.finite) return "the step is linear, and is its own tangent; allowed: with kinematics finite";
   if (scene->scheme.space.local != 0)
     return "with local_damping the step has no derivative where a velocity is 0; allowed: without local_damping";
+  if (MpmCollidersStiffness(scene->layout.colliders) > 0)
+    return "what a collider of contact penalty gives particles has no part in the tangent; allowed: another contact";
   if (scene->scheme.numbers.rk_relax)
     return "with rk_relax a step has a factor, which has no derivative where it comes to 1; allowed: without rk_relax";
   if (MpmTableHas(scene->scheme.table, MPM_SOLVE))
