@@ -134,7 +134,8 @@ static PetscErrorCode ListColliders(void)
   for (PetscInt i = 0; MpmContacts[i]; i++)
     MpmPrint("  contact: %-10s %s%s\n", MpmContacts[i]->name, MpmContacts[i]->summary,
              MpmContacts[i]->rubs ? "; key friction" : "");
-  MpmPrint("  all: key velocity, with kinematics finite. Bodies of particles (bodies) have the shapes, too, and file\n");
+  MpmPrint(
+      "  all: key velocity, with kinematics finite. Bodies of particles (bodies) have the shapes, too, and file\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
