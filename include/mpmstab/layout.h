@@ -78,6 +78,8 @@ typedef struct {
    before    - before[a][c]: the number of particles before cell c along direction a
    has       - whether the file has volumes, masses, young, poisson and fixed
    unused    - the names of columns that nothing reads
+   of_bodies - of how many bodies they are; 0: they are not of the option bodies, which is path then
+   velocity  - of particles of bodies along each direction, in units of c; else NULL
 S*/
 #define MPM_GIVEN_COLUMNS 8
 #define MPM_GIVEN_SAID 5
@@ -86,6 +88,8 @@ typedef struct {
   PetscInt64 particles, *before[MPM_MAX_DIM];
   PetscReal *column[MPM_GIVEN_COLUMNS], *property[MPM_PROPERTIES];
   PetscBool  has[MPM_GIVEN_SAID], random, of_steps;
+  PetscInt   of_bodies;
+  PetscReal *velocity[MPM_MAX_DIM];
 } MpmGiven;
 
 /*S

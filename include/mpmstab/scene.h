@@ -52,7 +52,7 @@ extern const char *const MpmStepBoundNames[];
    plastic              - the numbers of a material that flows
    gravity, body_force - at finite deformation, forces per mass: uniform, in length / time^2; and one that depends on place
                           and time, or NULL
-   colliders              - the bodies of the layout, as text; "" without any
+   colliders, bodies      - the rigid bodies of the layout, and those of its particles, as text; "" without any
    grid_damping, viscosity, shear_viscosity, bulk_viscosity - alpha per time, and the viscosities, in the units that the user gave: those of
                           the scene where it is physical, else c / h and rho c h
    scheme_hash, parameters - what tells the written scheme from others, and the values of its parameters; "" without one
@@ -70,7 +70,7 @@ struct MpmScene_ {
   MpmPolarisation polarisation;
   MpmWritten     *written;
   MpmFormulation *own;
-  char            scheme_hash[17], parameters[512], colliders[512];
+  char            scheme_hash[17], parameters[512], colliders[512], bodies[512];
   const MpmLaw   *law;
   PetscReal       stretch[MPM_MAX_DIM], lame_ratio, exponent, plastic[MPM_PLASTIC_NUMBERS];
   PetscReal       gravity[MPM_MAX_DIM], grid_damping, viscosity, shear_viscosity, bulk_viscosity;

@@ -100,11 +100,17 @@ def with_floor(sizes):
     return [max(size, FAINT * max(sizes)) or 1.0 for size in sizes]
 
 
+def layer_number(scene):
+    """Returns the layer of cells that is drawn: the one at a plane of symmetry, else the middle one."""
+    ends = scene["boundary"].split(",")
+    return 0 if ends[-1].startswith("symmetry") else int(scenes.each(scene, "cells")[2]) // 2
+
+
 def layer_of(scene, x):
-    """Returns which particles are drawn, and says so: all in the plane, in space those of the middle layer of cells."""
+    """Returns which particles are drawn, and says so: all in the plane, in space those of a layer of cells."""
     if scenes.dimension(scene) == 2:
         return numpy.ones(len(x), bool), ""
-    layer = int(scenes.each(scene, "cells")[2]) // 2
+    layer = layer_number(scene)
     return numpy.floor(x[:, 2]) == layer, f", particles with {layer} ≤ z / h < {layer + 1}"
 
 

@@ -8,6 +8,7 @@ from matplotlib import colors
 from matplotlib.animation import PillowWriter
 from matplotlib.collections import PolyCollection
 
+import picture_colliders as colliders
 import picture_files as files
 import picture_plane as plane
 import picture_scenes as scenes
@@ -240,6 +241,7 @@ def plane_frame(scene, step, group, panels, limits):
             plane.draw_arrows(axes, scene, x[kept], [registers[name][kept] for name in panel.vector[:2]], largest,
                               "arrows")
         plane.frame_axes(axes, scene)
+        colliders.draw(axes, scene, float(group.attrs["time"]))
         plane.add_bar(figure, discs, axes, panel.text(registers), "right" if down else "bottom")
     figure.suptitle(f"time step {step}, t = {float(group.attrs['time']):.4g}{where}", fontsize=10.5)
     return style.settle(figure)

@@ -27,6 +27,9 @@ def attributes(file):
             files.refuse(file.filename, f"not {dim} values of '{key}' in its attributes",
                          "a file that mpmstab has written with -output")
         scene[key] = [values[axis] for axis in AXES[:dim]]
+    if "safety" in scene:  # of a run that chose its steps there is no Courant number, and no drift
+        scene.setdefault("courant", 0.0)
+        scene.setdefault("drift", [0.0] * dim if dim > 1 else 0.0)
     missing = [key for key in files.SCENE if key not in scene]
     if missing:
         files.refuse(file.filename, f"no '{missing[0]}' in its attributes",
@@ -138,7 +141,7 @@ def scene_parts(scene):
         if option in scene:
             transfer += f" ({option} {float(scene[option]):g})"
     parts = {"formulation": formulation_text(scene), "basis": basis, "transfer": transfer,
-             "courant": f"k = {float(scene['courant']):.6g}"}
+             "courant": f"k = {float(scene['courant']):.6g}" if "safety" not in scene else "courant auto"}
     if "poisson" in scene:
         parts["poisson"] = f"ν = {float(scene['poisson']):.6g}"
     ppc = [int(count) for count in each(scene, "ppc")]

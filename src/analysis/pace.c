@@ -187,23 +187,28 @@ PetscErrorCode MpmPaceSpeeds(const MpmMarch *march, PetscReal **moduli, PetscRea
 {
   const MpmTable  *t   = march->scheme->table;
   const PetscInt   dim = t->dim, components = MpmTableStretches(t), n = march->particles->count;
-  const PetscReal *F[MPM_MOST_STRETCH], *q;
+  const PetscReal *F[MPM_MOST_STRETCH], *q, *of[MPM_PROPERTIES]       = {NULL};
 
   PetscFunctionBegin;
   speed[0] = speed[1] = 0;
+  for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) PetscCall(MpmMarchGetProperty(march, w, &of[w]));
   PetscCall(PetscFree(*moduli));
   PetscCall(PetscMalloc1(n, moduli));
   for (PetscInt c = 0; c < components; c++)
     PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
   for (PetscInt p = 0; p < n; p++) {
-    PetscReal at[MPM_MOST_STRETCH], modulus;
+    PetscReal at[MPM_MOST_STRETCH], square;
 
     for (PetscInt c = 0; c < components; c++) at[c] = F[c][p];
-    modulus      = MpmMaterialModulus(&t->material, dim, at);
-    (*moduli)[p] = modulus > 0 ? modulus * march->scheme->space.stiffness : 0;
-    speed[0]     = PetscMax(speed[0], (*moduli)[p]);
+    (*moduli)[p] = fmax(MpmMaterialModulus(&t->material, dim, at), 0) * march->scheme->space.stiffness;
+    square       = (*moduli)[p];
+    if (of[MPM_STIFFNESS]) square *= of[MPM_STIFFNESS][p];
+    if (of[MPM_VOLUME]) square *= of[MPM_VOLUME][p];
+    if (of[MPM_MASS]) square /= of[MPM_MASS][p];
+    speed[0] = PetscMax(speed[0], square);
   }
   speed[0] = sqrt(speed[0]);
+  for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) PetscCall(MpmMarchRestoreProperty(march, w, &of[w]));
   for (PetscInt c = 0; c < components; c++)
     PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
   for (PetscInt r = 0; r < t->nstate; r++) {
@@ -323,8 +328,10 @@ PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *re
 */
 static PetscReal Choose(MpmPace *pace, const MpmMarch *march)
 {
-  const PetscReal most = march->scene->safety * pace->held.limit, first = march->scene->safety * pace->held.first;
-  const PetscReal waves  = pace->fastest > 0 ? most / pace->fastest : most;
+  const PetscReal safety = march->scene->safety, most = safety * pace->held.limit, first = safety * pace->held.first;
+  const PetscReal push   = sqrt(MpmCollidersStiffness(march->layout->colliders)) / (2 * safety);
+  const PetscReal alone  = pace->fastest > 0 ? most / pace->fastest : most;
+  const PetscReal waves  = push > 0 ? 1 / hypot(1 / alone, push) : alone; /* docs/floors.md has the proof */
   const PetscReal motion = FARTHEST / pace->motion, left = pace->end - march->elapsed;
   PetscReal       k = PetscMin(waves, motion);
 

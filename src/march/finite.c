@@ -62,16 +62,28 @@ void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscInt64 step, PetscR
   for (PetscInt a = 0; a < march->grid->dim; a++) load[a] = unit * (scene->gravity[a] + force[a]);
 }
 
+/* Adds what colliders of contact penalty give particle p. */
+static void Push(const MpmMarch *march, const MpmFiniteBlock *block, PetscInt p, PetscReal load[])
+{
+  PetscReal x[MPM_MAX_DIM];
+
+  for (PetscInt a = 0; a < march->grid->dim; a++)
+    x[a] = march->grid->axis[a].first + block->cell[a][p] + block->xi[a][p];
+  (void)MpmCollidersPush(march->layout->colliders, march->grid->dim, x, MpmMarchTime(march, block->step), load);
+}
+
 /* Tables of marches without a scene have no LOAD. */
 static void Load(const MpmMarch *march, const MpmFiniteBlock *block)
 {
-  PetscReal load[MPM_MAX_DIM];
+  const PetscBool pushes = MpmCollidersStiffness(march->layout->colliders) > 0 ? PETSC_TRUE : PETSC_FALSE;
+  PetscReal       load[MPM_MAX_DIM];
 
   for (PetscInt p = 0; p < block->n; p++) {
     if (march->solving && march->solving->product)
       load[0] = load[1] = load[2] = 0;
-    else if (p == 0 || march->scene->body_force)
+    else if (p == 0 || march->scene->body_force || pushes)
       MpmFiniteLoad(march, block->id[p], block->step, block->a, load);
+    if (pushes) Push(march, block, p, load);
     for (PetscInt a = 0; a < march->grid->dim; a++) block->to[a][p] = load[a];
   }
 }
@@ -243,6 +255,8 @@ static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, Pets
   const PetscReal  size     = noise * (stretch ? UnitOf(march, t->component[r]) : 1);
   const PetscBool  internal = stretch && t->component[r] >= t->dim * t->dim ? PETSC_TRUE : PETSC_FALSE;
   const PetscInt64 seed     = MpmParticlesSeed(march->layout->seed, r);
+  const MpmGiven  *given    = march->layout->given;
+  const PetscReal *own      = given && !stretch && t->field[r] != MPM_NONE ? given->velocity[t->component[r]] : NULL;
   PetscReal       *q;
 
   PetscFunctionBegin;
@@ -252,6 +266,7 @@ static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, Pets
 
     MpmParticlesLagrangian(march->particles, id[p], march->cell_width, X);
     q[p] = Start(march, profile, r, march->scene ? X : NULL);
+    if (own) q[p] = own[id[p]];
     if (size > 0 && !internal) q[p] += size * (2 * MpmHash(seed, id[p]) - 1);
   }
   PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
@@ -421,6 +436,22 @@ static void GravityEnergy(const MpmMarchArrays *at, PetscReal *sum)
   }
 }
 
+/* Adds the energy of this rank's particles in colliders that push them, in units of rho0 c^2. */
+static void PushEnergy(const MpmMarchArrays *at, PetscReal *sum)
+{
+  const MpmMarch     *march     = at->march;
+  const MpmColliders *colliders = march->layout->colliders;
+  const PetscReal    *mass      = at->weight[MPM_MASS];
+  const PetscInt      dim       = march->grid->dim;
+
+  for (PetscInt p = 0; p < march->particles->count && MpmCollidersStiffness(colliders) > 0; p++) {
+    PetscReal x[MPM_MAX_DIM];
+
+    for (PetscInt a = 0; a < dim; a++) x[a] = march->grid->axis[a].first + at->cell[a][p] + at->xi[a][p];
+    *sum += (mass ? mass[p] : 1) * MpmCollidersPush(colliders, dim, x, MpmMarchTime(march, march->step), NULL);
+  }
+}
+
 /* Adds the strain energy of this rank's particles, in units of rho0 c^2. */
 static void StrainEnergy(const MpmMarchArrays *at, PetscReal psi[], PetscReal *sum)
 {
@@ -477,6 +508,7 @@ PetscErrorCode MpmFiniteNorms(const MpmMarch *march, MpmNorms *norms)
   PetscCall(SeenSquares(&at, &sums[2]));
   KineticEnergy(&at, 0, &sums[1]);
   GravityEnergy(&at, &sums[1]);
+  PushEnergy(&at, &sums[1]);
   StrainEnergy(&at, way[0], &sums[1]);
   PetscCall(MpmMarchRestoreArrays(march, &at));
   for (PetscInt a = 0; a < march->grid->dim; a++) PetscCall(PetscFree(way[a]));

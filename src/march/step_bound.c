@@ -49,8 +49,8 @@ const char *MpmStepBoundWhyNot(const MpmLayout *layout, const MpmScheme *scheme,
   if (scheme->formulation->step_bound(&scheme->numbers, scheme->transfer) == 0)
     return "no bound is known for this formulation with this transfer";
   if (isinf(scheme->formulation->step_bound(&scheme->numbers, scheme->transfer))) return "no step grows";
-  if (layout->colliders && (!scheme->formulation->leftmost || t->filter || t->affine || t->sharpen ||
-                            scheme->formulation->step_bound(&scheme->numbers, t) != 2))
+  if (space->collides && (!scheme->formulation->leftmost || t->filter || t->affine || t->sharpen ||
+                          scheme->formulation->step_bound(&scheme->numbers, t) != 2))
     return "with colliders no bound is proved for this scheme"; /* docs/floors.md has the theorem */
   if (MpmSpaceIsPrestressed(space) || space->displaced) return "no bound is known about a prestressed state";
   if (MpmSpaceIsDamped(space)) return "no bound is known with damping or viscosity";

@@ -109,6 +109,7 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
     PetscCall(PrintFields(s, request, "finite deformation, material {material}, from the stretch {stretch}"));
     PetscCall(PrintFields(s, request, s->scheme.space.loaded && !s->body_force ? ", gravity {gravity}\n" : "\n"));
   }
+  if (s->bodies[0]) PetscCall(PrintFields(s, request, "bodies: {bodies}\n"));
   if (s->layout.colliders) PetscCall(PrintFields(s, request, "colliders: {colliders}\n"));
   if (material != MPM_MATERIAL_UNIFORM)
     PetscCall(PrintFields(s, request,

@@ -24,7 +24,18 @@
 #define PORTION (1 << 28) /* numbers in a message */
 #define SAME_RATIO 1e-12
 
-enum { X, Y, Z, VOLUME, MASS, YOUNG, POISSON, FIXED, KNOWN, IGNORED = -1 };
+enum {
+  X,
+  Y,
+  Z,
+  VOLUME  = MPM_GIVEN_VOLUME,
+  MASS    = MPM_GIVEN_MASS,
+  YOUNG   = MPM_GIVEN_YOUNG,
+  POISSON = MPM_GIVEN_POISSON,
+  FIXED   = MPM_GIVEN_FIXED,
+  KNOWN   = MPM_GIVEN_COLUMNS,
+  IGNORED = -1
+};
 static const char *const names[KNOWN] = {"x", "y", "z", "volume", "mass", "young", "poisson", "fixed"};
 
 /* What a column's numbers may be. */
@@ -274,22 +285,13 @@ static PetscErrorCode Share(Reader *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene)
+PetscErrorCode MpmGivenRead(const char path[], PetscInt dim, MpmGiven **made)
 {
-  const char *path  = MpmSettingsText(settings, "layout");
-  Reader      r     = {.dim = scene->layout.dim, .hdf5 = {.file = -1}};
-  MpmGiven   *given = NULL;
-  PetscBool   failed;
+  Reader    r     = {.dim = dim, .hdf5 = {.file = -1}};
+  MpmGiven *given = NULL;
+  PetscBool failed;
 
   PetscFunctionBegin;
-  scene->layout.name = "uniform";
-  if (!strcasecmp(path, scene->layout.name)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (!strcasecmp(path, MPM_LAYOUT_RANDOM)) { /* they are placed when it is known how many there are */
-    PetscCall(MpmGivenCreateRandom(&scene->layout));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  MpmSettingsRefuseIf(!*path || strlen(path) >= sizeof given->path, settings, "layout",
-                      "allowed: uniform, random, or the name of a CSV or HDF5 file of particles");
   PetscCall(Open(path, &r));
   if (!r.why[0]) {
     PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, path,
@@ -297,7 +299,7 @@ PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene
                                  MpmRanksOf(PETSC_COMM_WORLD),
                              "a copy of the particles on each rank"));
     PetscCall(PetscNew(&given));
-    scene->layout.given = given;
+    *made = given;
     for (PetscInt c = 0; c < r.columns; c++)
       if (r.of[c] != IGNORED) PetscCall(PetscMalloc1(r.particles, &given->column[r.of[c]]));
     PetscCall(PetscArraycpy(r.value, given->column, KNOWN));
@@ -314,6 +316,25 @@ PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene
   (void)snprintf(given->unused, sizeof given->unused, "%s", r.unused);
   given->particles = r.particles;
   for (int i = 0; i < MPM_GIVEN_SAID; i++) given->has[i] = given->column[VOLUME + i] ? PETSC_TRUE : PETSC_FALSE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene)
+{
+  const char *path = MpmSettingsText(settings, "layout");
+  MpmGiven   *given;
+
+  PetscFunctionBegin;
+  scene->layout.name = "uniform";
+  if (!strcasecmp(path, scene->layout.name)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!strcasecmp(path, MPM_LAYOUT_RANDOM)) { /* they are placed when it is known how many there are */
+    PetscCall(MpmGivenCreateRandom(&scene->layout));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  MpmSettingsRefuseIf(!*path || strlen(path) >= sizeof given->path, settings, "layout",
+                      "allowed: uniform, random, or the name of a CSV or HDF5 file of particles");
+  PetscCall(MpmGivenRead(path, scene->layout.dim, &scene->layout.given));
+  given              = scene->layout.given;
   scene->layout.name = given->path;
   if (given->column[POISSON] && scene->layout.dim > 1 && MpmSettingsSource(settings, "poisson") == MPM_FROM_DEFAULT)
     scene->scheme.space.poisson = given->column[POISSON][0];
@@ -325,7 +346,10 @@ PetscErrorCode MpmGivenDestroy(MpmGiven **given)
   PetscFunctionBegin;
   if (!*given) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt c = 0; c < KNOWN; c++) PetscCall(PetscFree((*given)->column[c]));
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree((*given)->before[a]));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) {
+    PetscCall(PetscFree((*given)->before[a]));
+    PetscCall(PetscFree((*given)->velocity[a]));
+  }
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++) PetscCall(PetscFree((*given)->property[w]));
   PetscCall(PetscFree(*given));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -491,15 +515,27 @@ PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scen
   PetscFunctionBegin;
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(of_sites); i++)
-    PetscCall(MpmSettingsRefuseUnless(settings, of_sites[i], "layout",
-                                      "the particles are those of the option layout; allowed: without layout"));
+    PetscCall(MpmSettingsRefuseUnless(settings, of_sites[i], given->of_bodies ? "bodies" : "layout",
+                                      given->of_bodies
+                                          ? "the particles are those of the option bodies; allowed: without bodies"
+                                          : "the particles are those of the option layout; allowed: without layout"));
+  l->sites = l->particles = given->random ? l->sites : given->particles;
+  if (given->of_bodies) {
+    for (PetscInt a = 0; a < l->dim; a++) {
+      PetscCall(CountAlong(l, a));
+      l->row[a] = given->particles;
+    }
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (!scene->scheme.basis->wide && !given->random)
     PetscCall(MpmSettingsRefuseUnless(settings, "ppc", "layout",
                                       "the particles are those of the file layout; allowed: with basis gimp, where "
                                       "1 / ppc is the width of a particle, or without layout"));
-  MpmCheckInput(!scene->scheme.space.finite,
-                "layout %s: its particles are at rest and have no stretch; allowed: without kinematics finite",
-                given->path);
+  MpmCheckInput(
+      !scene->scheme.space.finite,
+      "layout %s: its particles are at rest and have no stretch; allowed: without kinematics finite, or as one "
+      "of the bodies: -bodies '{shape: file, path: %s}'",
+      given->path, given->path);
   PetscCall(CheckPoisson(scene));
   MpmCheckInput(!given->column[FIXED] || !MpmSceneDrifts(scene),
                 "layout %s: a particle that is held does not drift; allowed: without drift, or without column fixed",
@@ -548,7 +584,10 @@ void MpmGivenPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], Pets
 
 void MpmGivenText(const MpmGiven *given, size_t room, char text[])
 {
-  if (given->random)
+  if (given->of_bodies)
+    (void)snprintf(text, room, "%" PetscInt64_FMT " particles of %" PetscInt_FMT " bod%s", given->particles,
+                   given->of_bodies, given->of_bodies > 1 ? "ies" : "y");
+  else if (given->random)
     (void)snprintf(text, room, "%" PetscInt64_FMT " particles anywhere in the domain, by -seed", given->particles);
   else
     (void)snprintf(text, room, "%s; %s; %s%s%s%s",

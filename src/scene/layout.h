@@ -45,6 +45,16 @@ PetscErrorCode MpmGivenScatter(MpmLayout *layout);
 /* Not collective. The seed of jitter and random places in a direction, and of voids, for which axis is MPM_MAX_DIM. */
 PetscInt64 MpmLayoutSeed(const MpmLayout *layout, PetscInt axis);
 
+/* The columns of a file of particles after those of their places. */
+enum { MPM_GIVEN_VOLUME = MPM_MAX_DIM, MPM_GIVEN_MASS, MPM_GIVEN_YOUNG, MPM_GIVEN_POISSON, MPM_GIVEN_FIXED };
+
+/*
+   MpmGivenRead - reads the particles of a CSV or HDF5 file with columns x, y, z in dim dimensions. Places are in the scene's unit.
+
+   Collective. Refuses a file that is none.
+*/
+PetscErrorCode MpmGivenRead(const char path[], PetscInt dim, MpmGiven **given);
+
 /*
    MpmGivenPlace - MpmLayoutPlace for the particles of a file. MpmGivenText - what of them is the file's, and what is not.
    MpmGivenDestroy - frees them.

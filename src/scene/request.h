@@ -95,6 +95,7 @@ extern const char *const MpmNeighbourhoodNames[];
 
    task              - its name
    steps             - of a run; it writes output_every and checkpoint_every so many steps, and at the last one
+   output_interval   - time between outputs; 0: output_every counts
    end               - of a run that chooses its steps, the time at which it ends; 0: it takes so many steps. Another run ends
                        after its steps.
    step_bound_chance, step_bound_sweeps - of the certificate, and beyond bound 'particle' (mpmstab/step_bound.h)
@@ -133,6 +134,7 @@ S*/
 typedef struct {
   const char     *task;
   PetscInt64      steps, output_every, checkpoint_every;
+  PetscReal       output_interval;
   PetscReal       tolerance, voids, step_bound_chance;
   PetscInt        step_bound_sweeps;
   PetscBool       weights, source_term, ringing, measure, nodal, nodal_asked, survey, refine, damping, verbose;

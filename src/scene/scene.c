@@ -432,6 +432,7 @@ static PetscErrorCode ReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadTransfer(settings, scene));
   PetscCall(ReadBoundary(settings, scene));
   PetscCall(MpmSettingsReadColliders(settings, scene));
+  PetscCall(MpmSettingsReadBodies(settings, scene));
   PetscCall(ReadFill(settings, scene));
   PetscCall(MpmSettingsReadShape(settings, scene));
   PetscCall(MpmSettingsPlaceGiven(settings, scene));

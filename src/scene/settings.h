@@ -282,7 +282,7 @@ PetscBool MpmSettingsIsOfMap(const char name[]);
    Law         - the material and the stretch that a run starts from or a linear scheme is about, or its prestress; the wave
                  speed in that state
    Grid        - cells, particles in them, time step and drift
-   Colliders, Shape - bodies; the shape that particles fill
+   Colliders, Bodies, Shape - rigid bodies; bodies of particles; the shape that particles fill
    PlaceGiven  - puts the particles of a file into the grid, and refuses those outside and options of sites
    Pace        - whether a run chooses its steps, and how large a part of the largest stable one they are
    CheckFinite - what else finite deformation asks for, with Solution: whether the initial data have an exact one, with its
@@ -295,7 +295,7 @@ PetscBool MpmSettingsIsOfMap(const char name[]);
 */
 typedef PetscErrorCode MpmSceneReader(const MpmSettings *settings, MpmScene *scene);
 MpmSceneReader         MpmSettingsReadGiven, MpmSettingsReadWaveSpeed, MpmSettingsReadKinematics, MpmSettingsReadLaw,
-    MpmSettingsReadGrid, MpmSettingsReadColliders, MpmSettingsReadShape, MpmSettingsPlaceGiven, MpmSettingsReadPace,
+    MpmSettingsReadGrid, MpmSettingsReadColliders, MpmSettingsReadBodies, MpmSettingsReadShape, MpmSettingsPlaceGiven, MpmSettingsReadPace,
     MpmSettingsCheckFinite, MpmSettingsReadSolution, MpmSettingsReadPrestress, MpmSettingsReadDamping,
     MpmSettingsReadInitial;
 

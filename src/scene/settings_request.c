@@ -99,6 +99,8 @@ static const char *WhyNot(const MpmScene *scene)
     return "with local_damping the step has no derivative where a velocity is 0; allowed: without local_damping";
   if (scene->scheme.numbers.rk_relax)
     return "with rk_relax a step has a factor, which has no derivative where it comes to 1; allowed: without rk_relax";
+  if (MpmCollidersStiffness(scene->layout.colliders) > 0)
+    return "what a collider of contact penalty gives particles has no part in the tangent; allowed: another contact";
   if (MpmTableHas(scene->scheme.table, MPM_SOLVE))
     return "transfer nullspace has a pseudoinverse, whose derivative is not known here; allowed: another transfer";
   if (MpmBasisIsAltered(scene->scheme.basis))
@@ -475,7 +477,7 @@ at_last[] = {
   {"write_layout", NULL, MPM_FROM_COMMAND_LINE, WithoutWorst, "allowed: with neighbourhood worst, or with layout FILE or random"},
   {"weights", NULL, MPM_FROM_DEFAULT, HasNoWeights, "allowed: with basis linear and boundary periodic"},
   {"mode_file", "initial", MPM_FROM_SCENE, StartsFromNoMode, "allowed: only with initial eigenmode"},
-  {"output_every", NULL, MPM_FROM_SCENE, HasNoOutput, "allowed: only with output"},
+  {"output_every,output_interval", NULL, MPM_FROM_SCENE, HasNoOutput, "allowed: only with output"},
   {"checkpoint_every", NULL, MPM_FROM_SCENE, HasNoCheckpoint, "allowed: only with checkpoint"},
   {"output", NULL, MPM_FROM_SCENE, WritesTooMany, "too many particles for it; allowed: at most 715827882"},
   {NULL}};

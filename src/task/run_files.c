@@ -14,6 +14,8 @@
 #include <math.h>
 #include <string.h>
 
+#define SAME_TIME 1e-12 /* relative: an output interval that is over but for rounding is over */
+
 /* Appends a column for each of n fields to the header. */
 static PetscErrorCode Columns(PetscInt n, const char *const field[], const char name[], MpmText *header)
 {
@@ -96,6 +98,7 @@ typedef struct {
   const MpmScene   *scene;
   const MpmRequest *request;
   PetscInt64        from;   /* the step at which this run began */
+  PetscReal         passed; /* whole output intervals until the last step */
   MpmOutput        *output; /* NULL: none is written */
   MpmTextFile       csv;
   PetscInt64        kept;  /* the step of the last checkpoint that this run has written, or MPM_NEVER */
@@ -185,15 +188,26 @@ static PetscErrorCode Keep(Files *files, const MpmRun *run, const MpmMarch *marc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Whether output is due: at the first step and the last, and every so many steps, or when an interval of time is over. */
+static PetscBool IsDue(Files *files, const MpmRun *run, const MpmMarch *march)
+{
+  const MpmRequest *request = files->request;
+  const PetscReal   before  = files->passed;
+  PetscBool         due     = march->step % request->output_every == 0 ? PETSC_TRUE : PETSC_FALSE;
+
+  if (request->output_interval > 0) {
+    files->passed = floor(MpmMarchTime(march, march->step) / request->output_interval * (1 + SAME_TIME));
+    due           = files->passed > before ? PETSC_TRUE : PETSC_FALSE;
+  }
+  return due || march->step == files->from || march->step == run->last ? PETSC_TRUE : PETSC_FALSE;
+}
+
 static PetscErrorCode Step(void *context, const MpmRun *run, MpmMarch *march, PetscBool *stop)
 {
-  Files            *files   = context;
-  const MpmRequest *request = files->request;
+  Files *files = context;
 
   PetscFunctionBegin;
-  if (files->output &&
-      (march->step == files->from || march->step % request->output_every == 0 || march->step == run->last))
-    PetscCall(MpmOutputStep(files->output, march));
+  if (files->output && IsDue(files, run, march)) PetscCall(MpmOutputStep(files->output, march));
   if (!run->lost) PetscCall(Keep(files, run, march, stop));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -406,12 +406,15 @@ static PetscErrorCode ListColliders(void)
   for (PetscInt i = 0; MpmColliderShapes[i]; i++) {
     const MpmColliderShape *shape = MpmColliderShapes[i];
 
-    MpmPrint("  shape: %-12s %s; keys %s and %s\n", shape->name, shape->summary, shape->key[0], shape->key[1]);
+    MpmPrint("  shape: %-12s %s; keys %s", shape->name, shape->summary, shape->key[0]);
+    for (PetscInt k = 1; shape->key[k]; k++) MpmPrint("%s%s", shape->key[k + 1] ? ", " : " and ", shape->key[k]);
+    MpmPrint("\n");
   }
   for (PetscInt i = 0; MpmContacts[i]; i++)
     MpmPrint("  contact: %-10s %s%s\n", MpmContacts[i]->name, MpmContacts[i]->summary,
              MpmContacts[i]->rubs ? "; key friction" : "");
-  MpmPrint("  all bodies: key velocity, with kinematics finite\n");
+  MpmPrint(
+      "  all: key velocity, with kinematics finite. Bodies of particles (bodies) have the shapes, too, and file\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

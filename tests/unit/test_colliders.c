@@ -108,8 +108,9 @@ static void CheckNumbers(void)
                                       .contact  = MpmContacts[2],
                                       .value    = {{0, 0}, {0, 1}},
                                       .friction = 0.5,
-                                      .velocity = {0, 0.1},
-                                      .pace     = {0, 2}}}};
+                                      .ntimes   = 1,
+                                      .velocity = {{0, 0.1}},
+                                      .pace     = 20}}};
   PetscReal       v[2]   = {1, -0.3}, slope[4];
   const PetscReal x[2]   = {0, 0.5};
 
@@ -125,15 +126,66 @@ static void CheckNumbers(void)
   CHECK_NEAR(slope[0], 0, 1e-15);
 }
 
+/* What a body of contact penalty gives a particle is against the gradient of its energy. Nodes do not feel it. */
+static void CheckPush(const MpmColliderShape *shape, PetscInt dim)
+{
+  MpmColliders bodies = {.n = 1};
+  PetscInt     pushed = 0;
+
+  for (int i = 0; i < TRIES; i++) {
+    PetscReal x[MPM_MAX_DIM], push[MPM_MAX_DIM] = {0}, v[MPM_MAX_DIM] = {1}, slope[9], worst = 0;
+
+    bodies.body[0]           = Body(shape, dim);
+    bodies.body[0].stiffness = 3;
+    for (PetscInt c = 0; MpmContacts[c]; c++)
+      if (MpmContacts[c]->pushes) bodies.body[0].contact = MpmContacts[c];
+    for (PetscInt a = 0; a < dim; a++) x[a] = 2 * Random();
+    pushed += MpmCollidersPush(&bodies, dim, x, 0, push) > 0;
+    for (PetscInt a = 0; a < dim; a++) {
+      PetscReal energy[2];
+
+      for (int side = 0; side < 2; side++) {
+        PetscReal at[MPM_MAX_DIM];
+
+        for (PetscInt c = 0; c < dim; c++) at[c] = x[c] + (c == a ? (side ? STEP : -STEP) : 0);
+        energy[side] = MpmCollidersPush(&bodies, dim, at, 0, NULL);
+      }
+      worst = PetscMax(worst, fabs((energy[1] - energy[0]) / (2 * STEP) + push[a]));
+    }
+    CHECK(worst < 1e-5, "%s, dim %d: the push is off by %.3g", shape->name, (int)dim, worst);
+    CHECK(!MpmCollidersProject(&bodies, dim, x, 0, v, slope), "nodes feel a body that pushes particles");
+  }
+  CHECK(pushed > TRIES / 100, "%s, dim %d: %d particles were inside", shape->name, (int)dim, (int)pushed);
+}
+
+/* A velocity that rises, falls and stays: the way is its integral. */
+static void CheckMotion(void)
+{
+  const MpmCollider body = {.ntimes = 3, .time = {0, 1, 1.5}, .velocity = {{0, 1}, {1, 1}, {-0.5, 1}}, .pace = 2};
+  PetscReal         way[2], velocity[2];
+
+  MpmColliderMotion(&body, 2, 1.25, way, velocity);
+  CHECK_NEAR(velocity[0], 0.25, 1e-15);
+  CHECK_NEAR(way[0], 2 * (0.5 + 0.25 * 0.625), 1e-15);
+  MpmColliderMotion(&body, 2, 3, way, velocity);
+  CHECK_NEAR(velocity[0], -0.5, 1e-15);
+  CHECK_NEAR(way[0], 2 * (0.5 + 0.125 - 0.75), 1e-15);
+  CHECK_NEAR(way[1], 2 * 3, 1e-15);
+  CHECK(MpmColliderMoves(&body), "it moves");
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
   (void)argc, (void)argv;
   for (PetscInt dim = 1; dim <= MPM_MAX_DIM; dim++) {
     for (PetscInt s = 0; MpmColliderShapes[s]; s++) CheckShape(MpmColliderShapes[s], dim);
-    for (PetscInt c = 0; MpmContacts[c]; c++) CheckContact(MpmContacts[c], dim);
+    for (PetscInt c = 0; MpmContacts[c]; c++)
+      if (!MpmContacts[c]->pushes) CheckContact(MpmContacts[c], dim);
+    for (PetscInt s = 0; MpmColliderShapes[s]; s++) CheckPush(MpmColliderShapes[s], dim);
   }
   CheckNumbers();
+  CheckMotion();
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

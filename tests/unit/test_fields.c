@@ -72,6 +72,7 @@ static const char *const other[][2] = {
     {"balance", "-balance cells"},
     {"ranks", "-ranks 1"},
     {"layout", "-layout random"},
+    {"bodies", "-formulation usl -kinematics finite -bodies {\"shape\":box,\"center\":0.5,\"size\":0.5}"},
     {"colliders", "-formulation usl -colliders {\"shape\":plane,\"point\":0.5,\"normal\":1,\"contact\":slip}"},
 };
 

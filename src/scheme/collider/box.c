@@ -26,8 +26,17 @@ static PetscReal Distance(const MpmCollider *body, PetscInt dim, const PetscReal
   return deepest;
 }
 
+static void Extent(const MpmCollider *body, PetscInt dim, PetscReal lo[], PetscReal hi[])
+{
+  for (PetscInt a = 0; a < dim; a++) {
+    lo[a] = body->value[0][a] - body->value[1][a] / 2;
+    hi[a] = body->value[0][a] + body->value[1][a] / 2;
+  }
+}
+
 const MpmColliderShape MpmColliderBox = {.name     = "box",
                                          .summary  = "a box along the axes",
                                          .key      = {"center", "size"},
                                          .holds    = {MPM_KEY_PLACE, MPM_KEY_SIZES},
-                                         .distance = Distance};
+                                         .distance = Distance,
+                                         .extent   = Extent};

@@ -8,6 +8,8 @@
 
    Coulomb's friction of coefficient mu takes from t what the impulse |y_n| along n allows: t' = t max(0, 1 - mu |y_n| / |t|).
    Without friction t' = t, so that sticky and slip are orthogonal projections.
+
+     penalty     P(y) = y: nodes do not feel the body, but particles inside it are pushed out
 */
 #include "scheme/collider/shapes.h"
 
@@ -51,19 +53,19 @@ static void Separating(PetscReal friction, PetscInt dim, const PetscReal normal[
     for (PetscInt i = 0; i < dim * dim; i++) slope[i] = i % (dim + 1) == 0;
 }
 
-static const MpmContact sticky     = {.name    = "sticky",
-                                      .summary = "nodes move with the body",
-                                      .linear  = PETSC_TRUE,
-                                      .project = Sticky},
-                        slip       = {.name    = "slip",
-                                      .summary = "nodes keep their velocity along the surface; with friction less of it",
-                                      .rubs    = PETSC_TRUE,
-                                      .linear  = PETSC_TRUE,
-                                      .project = Slip},
-                        separating = {.name = "separating",
-                                      .summary =
-                                          "as slip where nodes move into the body, and nothing where they leave it",
-                                      .rubs    = PETSC_TRUE,
-                                      .project = Separating};
+static const MpmContact
+    sticky     = {.name = "sticky", .summary = "nodes move with the body", .linear = PETSC_TRUE, .project = Sticky},
+    slip       = {.name    = "slip",
+                  .summary = "nodes keep their velocity along the surface; with friction less of it",
+                  .rubs    = PETSC_TRUE,
+                  .linear  = PETSC_TRUE,
+                  .project = Slip},
+    separating = {.name    = "separating",
+                  .summary = "as slip where nodes move into the body, and nothing where they leave it",
+                  .rubs    = PETSC_TRUE,
+                  .project = Separating},
+    penalty    = {.name    = "penalty",
+                  .summary = "particles inside are pushed out, by their depth times stiffness per mass",
+                  .pushes  = PETSC_TRUE};
 
-const MpmContact *const MpmContacts[] = {&sticky, &slip, &separating, NULL};
+const MpmContact *const MpmContacts[] = {&sticky, &slip, &separating, &penalty, NULL};

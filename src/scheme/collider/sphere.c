@@ -11,8 +11,17 @@ static PetscReal Distance(const MpmCollider *body, PetscInt dim, const PetscReal
   return r - body->value[1][0];
 }
 
+static void Extent(const MpmCollider *body, PetscInt dim, PetscReal lo[], PetscReal hi[])
+{
+  for (PetscInt a = 0; a < dim; a++) {
+    lo[a] = body->value[0][a] - body->value[1][0];
+    hi[a] = body->value[0][a] + body->value[1][0];
+  }
+}
+
 const MpmColliderShape MpmColliderSphere = {.name     = "sphere",
                                             .summary  = "a ball; with dim 2 a disc",
                                             .key      = {"center", "radius"},
                                             .holds    = {MPM_KEY_PLACE, MPM_KEY_SIZE},
-                                            .distance = Distance};
+                                            .distance = Distance,
+                                            .extent   = Extent};

@@ -1,0 +1,101 @@
+#!/usr/bin/python3
+"""Ten scenes that people know: equal by particle id on one to three ranks, and the numbers of their pages.
+
+check_scenes.py MPIEXEC MPMSTAB ranks|pages. Silent when all is well.
+"""
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+from checks import ROOT, check, text_of
+
+MPIEXEC, MPMSTAB, PART = sys.argv[1:]
+# The sand slides, and snow packs: rounding grows in them.
+SCENES = {"sand-column": 1e-8, "snow-wedge": 1e-8, "dam-break": 1e-10, "bouncing-block": 1e-10, "taylor-bar": 1e-10,
+          "cantilever": 1e-10, "billet": 1e-10, "cone-in-clay": 1e-8, "clay-bank": 1e-10, "colliding-discs": 1e-10}
+
+
+def run(name, *words, ranks=1):
+    """Returns the arrays of the particles at each output step."""
+    launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
+    done = subprocess.run([*launch, MPMSTAB, "run", os.path.join(ROOT, "examples", name, "scene.yaml"), "-output",
+                           f"{name}.h5", *words], capture_output=True, text=True, check=False)
+    check(done.returncode == 0, f"{name} {' '.join(words)}: status {done.returncode}: {done.stderr}")
+    with h5py.File(f"{name}.h5") as file:
+        return [{"time": file[key].attrs["time"], **{field: item[...] for field, item in file[key + "/particles"].items()}}
+                for key in sorted(key for key in file if key.startswith("step_"))]
+
+
+def quotes(name, *texts):
+    found = re.sub(r"\s+", " ", text_of(os.path.join(ROOT, "examples", name, "README.md")))
+    for text in texts:
+        check(text in found, f"the page of {name} does not have '{text}'")
+
+
+def check_ranks():
+    for name, bound in SCENES.items():
+        last = [run(name, "-steps", "150", "-expect_energy", "0,10", ranks=ranks)[-1] for ranks in (1, 2, 3)]
+        for other in last[1:]:
+            for field in last[0]:
+                off = np.abs(other[field] - last[0][field]).max() / max(1, np.abs(last[0][field]).max())
+                check(off <= bound, f"{name}: {field} differs between ranks by {off}")
+
+
+def check_bar():
+    last = run("taylor-bar")[-1]
+    x, half = last["coordinates"], 0.2
+    length, radius = 1e3 * x[:, 1].max() + half, 1e3 * x[:, 0].max() + half
+    quotes("taylor-bar", f"| {length:.1f} mm | 21.3 to 21.7 mm |", f"| {radius:.1f} mm | 7.0 to 7.2 mm |",
+           f"| {last['plastic_strain'].max():.1f} | 2.5 to 3.2 |")
+    check(21.3 <= round(length, 1) <= 21.7 and 7 <= round(radius, 1) <= 7.2, f"taylor-bar: {length} and {radius}")
+
+
+def check_billet():
+    last = run("billet")[-1]
+    exact = 2 / math.sqrt(3) * math.log(0.15 / (0.15 - 20 * (last["time"] - 0.0001)))
+    mean = last["plastic_strain"].mean()
+    quotes("billet", f"= {exact:.2f}.", f"is {mean:.2f}.")
+    check(abs(mean - exact) < 0.1 * exact, f"billet: {mean} and {exact}")
+
+
+def check_clay():
+    steps = run("cone-in-clay")
+    heave = steps[-1]["coordinates"][:, 1].max() - steps[0]["coordinates"][:, 1].max()
+    quotes("cone-in-clay", f"by {heave:.2f} m.", f"a plastic loss of {steps[-1]['plastic_loss'].max():.2f} ")
+
+
+def check_bank():
+    for words, says in (((), "sinks by {:.2f} m, and comes to rest"), (("-yield", "0.000977"), "it sinks by {:.2f} m, which")):
+        steps = run("clay-bank", *words)
+        edge = steps[0]["coordinates"].sum(axis=1).argmax()
+        quotes("clay-bank", says.format(steps[0]["coordinates"][edge, 1] - steps[-1]["coordinates"][edge, 1]))
+
+
+def check_beam():
+    """Small swings under a thousandth of the weight, against those of a beam."""
+    steps = run("cantilever", "-gravity", "0,-0.01", "-time", "2.8", "-expect_energy", "0,2", "-output_interval", "0.02")
+    tip = steps[0]["coordinates"][:, 0] > steps[0]["coordinates"][:, 0].max() - 1e-6
+    sinks = np.array([(steps[0]["coordinates"] - step["coordinates"])[tip, 1].mean() for step in steps])
+    lowest = sinks.argmax()
+    back = steps[lowest + sinks[lowest:].argmin()]["time"]
+    beam = 2 * math.pi / 1.8751**2 * 64 / math.sqrt(2e7 / (1 - 0.3**2) / 1000 / 12)
+    quotes("cantilever", f"is back after {back:.2f}", f"{beam:.2f} of a thin beam")
+    check(abs(back / beam - 1) < 0.02, f"cantilever: {back} and {beam}")
+
+
+with tempfile.TemporaryDirectory() as folder:
+    os.chdir(folder)
+    if PART == "ranks":
+        check_ranks()
+    else:
+        check_bar()
+        check_billet()
+        check_clay()
+        check_bank()
+        check_beam()
