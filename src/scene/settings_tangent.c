@@ -11,6 +11,8 @@ static const char *WhyNot(const MpmScene *scene)
     return "with local_damping the step has no derivative where a velocity is 0; allowed: without local_damping";
   if (scene->scheme.numbers.rk_relax)
     return "with rk_relax a step has a factor, which has no derivative where it comes to 1; allowed: without rk_relax";
+  if (scene->scheme.numbers.rk_places == MPM_RK_STAGES && scene->body_force)
+    return "with rk_places stages a body force is also that of other times than the step's; allowed: rk_places frozen";
   if (MpmTableHas(scene->scheme.table, MPM_SOLVE))
     return "transfer nullspace has a pseudoinverse, whose derivative is not known here; allowed: another transfer";
   if (MpmBasisIsAltered(scene->scheme.basis))
