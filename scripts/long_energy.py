@@ -44,6 +44,7 @@ MLS = {"transfer": "apic", "gradient": "mls"}
 WAYS = {
     "on particles, flip": {},
     "on particles, flip, `-rk_relax`": {"rk_relax": "true"},
+    "on particles, flip, `-rk_places stages`": {"rk_places": "stages"},
     "on nodes, flip": {"rk_on": "nodes"},
     "on nodes, apic with gradient mls": {"rk_on": "nodes", **MLS},
 }

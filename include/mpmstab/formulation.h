@@ -47,7 +47,8 @@
    MPM_LOAD       - b = the body force per mass at the particle's place at rest, in units of c^2 / h, at a part a of the step
    MPM_STRETCH    - F <- (I + L + a L L) F, a the factor: 0, or 1/2 in steps of several stages
    MPM_RETURN     - F and the internal variables after it <- what MpmMaterialReturn makes of them; src is dst
-   MPM_ADVANCE    - x_p += particle, in cells
+   MPM_ADVANCE    - x_p += particle, in cells. The maps after it are those of the new places. Particles are then at a part a of the
+                    step: 1 at its end
 
    On particles, and on nodes. f is another field; a COPY may also be of a node field to itself, which multiplies it:
    MPM_SCALE      - particle *= a
@@ -72,6 +73,8 @@
    MPM_MOVE       - x += a k sum_i phi_ip node, x the displacement of particles in cells: with a prestress alone, else nothing.
                     Node fields whose sum is the grid's velocity have one each, and a is the share of each.
    MPM_MOVE_PROJECTED - takes the place of all MOVE where particles move with the projected velocity
+   MPM_MOVE_TO    - x = x of the start of the step + a k sum_i phi_ip node, in the middle of a step, at finite deformation: the maps
+                    after it are those of the new places. DRIFT then starts from there, too. At small strain nothing
    MPM_IMPOSE     - node = 0 at fixed ends
    MPM_REACT      - node = 0 at fixed ends, or the reaction of the wall: its new value minus its value before the wall
                     was imposed
@@ -109,6 +112,7 @@ typedef enum {
   MPM_FILTER_AFTER,
   MPM_MOVE,
   MPM_MOVE_PROJECTED,
+  MPM_MOVE_TO,
   MPM_IMPOSE,
   MPM_REACT
 } MpmOpKind;
@@ -235,6 +239,7 @@ PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 #define MOVE(node)                     MOVE_TIMES(node, 1)
 #define MOVE_TIMES(node, number)       {.kind = MPM_MOVE, .dst = MPM_NONE, .src = node, .factor = number}
 #define MOVE_PROJECTED(node)           {.kind = MPM_MOVE_PROJECTED, .dst = MPM_NONE, .src = node, .factor = 1}
+#define MOVE_TO(node, number)          {.kind = MPM_MOVE_TO, .dst = MPM_NONE, .src = node, .factor = number}
 #define IMPOSE(node)                   {.kind = MPM_IMPOSE, .dst = node, .src = node}
 #define REACT(node, imposed)           {.kind = MPM_REACT, .dst = node, .src = imposed}
 /* clang-format on */
@@ -416,11 +421,13 @@ PetscBool MpmFormulationHas(const MpmFormulation *formulation, MpmOpKind kind);
    MpmRkOnNames - where its stages are: MPM_RK_AUTO, on particles with a transfer that has no filter and else on nodes,
    MPM_RK_PARTICLES or MPM_RK_NODES
    MpmRkIsOnNodes - whether they are on nodes
+   MpmRkPlacesNames - whether particles stay where they are during a step, or move in each stage
 
    Not collective.
 */
 #define MPM_RK_USUAL 2 /* rk4 */
 typedef enum { MPM_RK_AUTO, MPM_RK_PARTICLES, MPM_RK_NODES } MpmRkOn;
-extern const char *const MpmRkOnNames[];
-const char              *MpmRkWord(PetscInt i);
-PetscBool                MpmRkIsOnNodes(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer);
+typedef enum { MPM_RK_FROZEN, MPM_RK_STAGES } MpmRkPlaces;
+extern const char *const MpmRkOnNames[], *const MpmRkPlacesNames[];
+const char *MpmRkWord(PetscInt i);
+PetscBool   MpmRkIsOnNodes(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer);

@@ -16,8 +16,10 @@
    nops, room    - the number of operations, and of those that ops has memory for
    ops           - the operations
    nstate        - particle registers [0, nstate) are the state, which goes on from step to step
-   nparticles    - particle registers [nstate, nparticles) are scratch: SCALE sets them to 0, G2P fills them, P2G sends
-                   them to nodes, and after that they hold nothing
+   nkept         - particle registers [nstate, nstate + nkept) live to the end of a step: how far particles have gone in it, where
+                   they move in stages. They go along with the particles to other ranks
+   nparticles    - particle registers [nstate + nkept, nparticles) are scratch: SCALE sets them to 0, G2P fills them, P2G
+                   sends them to nodes, and after that they hold nothing
    nnodes        - the number of node registers
    unfiltered    - the number of state registers that no filter acts on
    fields        - the names of the state registers, NULL-terminated; with more than one dimension v_x, s_xy and so on
@@ -46,9 +48,9 @@ S*/
 struct MpmTable_ {
   PetscInt           dim, nops, room;
   MpmOp             *ops;
-  PetscInt           nstate, nparticles, nnodes, unfiltered;
+  PetscInt           nstate, nkept, nparticles, nnodes, unfiltered;
   const char        *fields[MPM_MAX_FIELDS + 1];
-  char               names[MPM_MAX_FIELDS][16]; /* what fields points to */
+  char               names[MPM_MAX_FIELDS][16]; /* what fields points to, and those of what is kept */
   PetscInt           field[MPM_MAX_FIELDS], component[MPM_MAX_FIELDS];
   MpmParity          parity[MPM_MAX_FIELDS][MPM_MAX_DIM];
   PetscBool          filtered[MPM_MAX_FIELDS];
@@ -76,6 +78,12 @@ static inline PetscBool MpmTableIsFinite(const MpmTable *table)
 static inline PetscInt MpmTableStretches(const MpmTable *table)
 {
   return MpmMaterialComponents(table->material.law, table->dim);
+}
+
+/* Not collective. The number of particle registers that have arrays of their own: the state and what is kept in a step. */
+static inline PetscInt MpmTableHeld(const MpmTable *table)
+{
+  return table->nstate + table->nkept;
 }
 
 #define MPM_MAX_NODE_OPS 128 /* the largest number of operations on nodes that follow one another */

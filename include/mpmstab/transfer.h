@@ -7,7 +7,7 @@ typedef struct MpmTable_ MpmTable;
 /*
    The numbers that a scheme may be given. Those of transfers: the order of xpic and fmpm, the share of flip in a blend, and that in the
    velocities of an affine flip. Those of formulations: the part of the strain that verlet takes after the force, the
-   method of rk, where its stages are and whether its steps are relaxed, theta of the implicit step and how often it may be halved, and the share of the
+   method of rk, where its stages are, whether particles move in each of them (MpmRkPlaces) and whether its steps are relaxed, theta of the implicit step and how often it may be halved, and the share of the
    new velocity in that which particles of verlet and rk move with.
 */
 struct MpmSchemeNumbers_ {
@@ -16,6 +16,7 @@ struct MpmSchemeNumbers_ {
   PetscReal share, move_share;
   PetscInt  rk;
   MpmRkOn   rk_on;
+  PetscInt  rk_places;
   PetscBool rk_relax;
   PetscReal theta;
   PetscInt  halvings;

@@ -32,13 +32,13 @@ static PetscErrorCode Compile(MpmMarch *march)
   for (PetscInt p = 0; p < n; p++) {
     MpmRowPlanCompile(PassOf(march, p), march->scheme->basis, march->layout->dim, &march->plans[p]);
     if (!clouds) continue;
-    MpmCloudPlanCompile(&march->plans[p], march->scheme->basis, march->layout->dim, march->scheme->table->nstate,
+    MpmCloudPlanCompile(&march->plans[p], march->scheme->basis, march->layout->dim, MpmTableHeld(march->scheme->table),
                         &march->clouds[p]);
     size = PetscMax(size, MpmCloudsSize(march->grid, &march->clouds[p]));
   }
   if (!march->scratch)
-    PetscCall(
-        PetscMalloc1((march->scheme->table->nparticles - march->scheme->table->nstate) * MPM_BLOCK, &march->scratch));
+    PetscCall(PetscMalloc1((march->scheme->table->nparticles - MpmTableHeld(march->scheme->table)) * MPM_BLOCK,
+                           &march->scratch));
   if (!clouds || march->bundles) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(size, &march->bundles));
   MpmLargePages(march->bundles, sizeof(PetscReal) * (size_t)size);
@@ -116,14 +116,18 @@ static PetscErrorCode RunPass(MpmMarch *march, PetscInt number, const MpmParity 
                               PetscInt64 *step)
 {
   const MpmPass *pass   = PassOf(march, number);
-  MpmMarchArrays arrays = {.march = march, .plan = &march->plans[number], .sample = sample, .squares = march->squares};
+  MpmMarchArrays arrays = {.march   = march,
+                           .plan    = &march->plans[number],
+                           .sample  = sample,
+                           .within  = pass->within,
+                           .squares = march->squares};
 
   PetscFunctionBegin;
   PetscCall(MpmMarchGetArrays(march, *step, &arrays));
   PetscCall(GetSums(march, pass, &arrays));
   PetscCall(RunParticles(march, pass, number, parity, &arrays));
   PetscCall(RestoreSums(march, pass, &arrays));
-  if (pass->drifts) ++*step;
+  if (pass->drifts && !pass->within) ++*step;
   for (const MpmNodeOp *op = pass->node_op; op < pass->node_op + pass->nnode_ops; op++) {
     if (op->kind != MPM_IMPLICIT) {
       PetscCall(MpmNodesRun(&arrays, op, *step, arrays.node));

@@ -71,7 +71,7 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch 
   const PetscBool  own    = MpmTableIsFinite(table);
   const PetscBool  drifts = own || MpmStepDrifts(step) ? PETSC_TRUE : PETSC_FALSE;
   const PetscInt   reach  = PetscMax(basis->reach_left, basis->reach_right);
-  PetscInt         need, spare, stride = 1;
+  PetscInt         need, least, spare, stride = 1;
   PetscMPIInt      size;
 
   PetscFunctionBegin;
@@ -79,9 +79,10 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch 
   for (PetscInt a = 0; a < layout->dim; a++)
     stride = PetscMax(stride, own ? 2 : (PetscInt)ceil(PetscAbsReal(step->drift[a].value)) + 1);
   PetscCall(MpmScheduleCompile(table, basis, layout, step->courant, drifts, PETSC_TRUE, &march->schedule));
-  need = reach + march->schedule.halo;
-  PetscCall(MpmPartitionCreate(layout, size, need, drifts, partition));
-  PetscCall(CheckCells(march, size, need, partition->smallest >= need ? PETSC_TRUE : PETSC_FALSE));
+  need  = reach + march->schedule.halo;
+  least = need + (table->nkept ? stride : 0); /* in stages scratch must not be lost where particles migrate */
+  PetscCall(MpmPartitionCreate(layout, size, least, drifts, partition));
+  PetscCall(CheckCells(march, size, least, partition->smallest >= least ? PETSC_TRUE : PETSC_FALSE));
   spare        = PetscMin(partition->smallest - need, PetscMax(layout->dim == 1 ? MOST_SLACK : SLACK_OF_BOX, stride));
   march->slack = drifts && spare >= stride ? spare : 0;
   if (drifts && !march->slack)
@@ -112,8 +113,8 @@ PetscErrorCode MpmMarchGetArrays(const MpmMarch *march, PetscInt64 step, MpmMarc
     for (PetscInt after = 0; after < 2; after++)
       PetscCall(MpmParticlesWhere(march->particles, d, step + after, &a->whole[after][d], &a->part[after][d]));
   }
-  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
-    PetscCall(MpmParticlesGet(march->particles, march->scheme->table->fields[f], &a->particle[f]));
+  for (PetscInt f = 0; f < MpmTableHeld(march->scheme->table); f++)
+    PetscCall(MpmParticlesGet(march->particles, march->scheme->table->names[f], &a->particle[f]));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (march->layout->varies[w]) PetscCall(MpmParticlesGet(march->particles, MpmPropertyNames[w], &a->weight[w]));
   for (PetscInt f = 0; f < march->nnodes; f++) PetscCall(MpmGridGetArray(march->grid, march->node[f], &a->node[f]));
@@ -128,8 +129,8 @@ PetscErrorCode MpmMarchRestoreArrays(const MpmMarch *march, MpmMarchArrays *a)
   for (PetscInt f = 0; f < march->nnodes; f++) PetscCall(MpmGridRestoreArray(march->grid, march->node[f], &a->node[f]));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (march->layout->varies[w]) PetscCall(MpmParticlesRestore(march->particles, MpmPropertyNames[w], &a->weight[w]));
-  for (PetscInt f = 0; march->scheme->table->fields[f]; f++)
-    PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->fields[f], &a->particle[f]));
+  for (PetscInt f = 0; f < MpmTableHeld(march->scheme->table); f++)
+    PetscCall(MpmParticlesRestore(march->particles, march->scheme->table->names[f], &a->particle[f]));
   for (PetscInt d = 0; d < march->grid->dim; d++) {
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldXi[d], &a->xi[d]));
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[d], &a->cell[d]));

@@ -158,6 +158,7 @@ PetscErrorCode MpmMarchRebase(MpmMarch *march);
    MpmMarchArrays - the particles and nodes of a march while it works on them.
 
    id          - of particles that move each by itself
+   within      - particles move in the middle of the step
    step        - that of the places; whole[after], part[after]: the drift since rest there, and a step later
    node, sum   - node fields, and the arrays that are summed to: sum[MPM_MASSES] are the inverse nodal masses, the fast march
                  sets the others
@@ -165,7 +166,7 @@ S*/
 typedef struct {
   const MpmMarch   *march;
   const MpmRowPlan *plan;
-  PetscBool         sample;
+  PetscBool         sample, within;
   PetscInt         *cell[MPM_MAX_DIM], whole[2][MPM_MAX_DIM];
   PetscInt64       *id, step;
   PetscReal        *xi[MPM_MAX_DIM], part[2][MPM_MAX_DIM], *squares;

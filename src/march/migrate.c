@@ -248,8 +248,8 @@ PetscErrorCode MpmParticlesSort(MpmParticles *particles, const MpmGrid *grid)
     PetscCall(Reorder(particles, MpmFieldCell[a], order, buffer));
     PetscCall(Reorder(particles, MpmFieldXi[a], order, buffer));
   }
-  for (PetscInt f = 0; particles->table->fields[f]; f++)
-    PetscCall(Reorder(particles, particles->table->fields[f], order, buffer));
+  for (PetscInt f = 0; f < MpmTableHeld(particles->table); f++)
+    PetscCall(Reorder(particles, particles->table->names[f], order, buffer));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (particles->layout->varies[w]) PetscCall(Reorder(particles, MpmPropertyNames[w], order, buffer));
   PetscCall(PetscFree(buffer));

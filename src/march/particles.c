@@ -46,8 +46,8 @@ static PetscErrorCode CreateSwarm(const MpmGrid *grid, MpmParticles *particles)
     PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldCell[a], 1, PETSC_INT));
     PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmFieldXi[a], 1, PETSC_REAL));
   }
-  for (PetscInt f = 0; particles->table->fields[f]; f++)
-    PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, particles->table->fields[f], 1, PETSC_REAL));
+  for (PetscInt f = 0; f < MpmTableHeld(particles->table); f++)
+    PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, particles->table->names[f], 1, PETSC_REAL));
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (particles->layout->varies[w])
       PetscCall(DMSwarmRegisterPetscDatatypeField(particles->swarm, MpmPropertyNames[w], 1, PETSC_REAL));
@@ -277,7 +277,7 @@ static PetscErrorCode UseLargePages(MpmParticles *particles)
     name[n++] = MpmFieldCell[a];
     name[n++] = MpmFieldXi[a];
   }
-  for (PetscInt f = 0; particles->table->fields[f]; f++) name[n++] = particles->table->fields[f];
+  for (PetscInt f = 0; f < MpmTableHeld(particles->table); f++) name[n++] = particles->table->names[f];
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
     if (particles->layout->varies[w]) name[n++] = MpmPropertyNames[w];
   for (PetscInt i = 0; i < n; i++) {

@@ -290,8 +290,8 @@ static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 static PetscBool IsFull(const MpmTable *table, const MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits  = MpmOpTraitsOf(op->kind);
-  const PetscBool   scratch = (traits.dst == MPM_ON_PARTICLES && op->dst >= table->nstate) ||
-                                    (traits.src == MPM_ON_PARTICLES && op->src >= table->nstate)
+  const PetscBool   scratch = (traits.dst == MPM_ON_PARTICLES && op->dst >= MpmTableHeld(table)) ||
+                                    (traits.src == MPM_ON_PARTICLES && op->src >= MpmTableHeld(table))
                                   ? PETSC_TRUE
                                   : PETSC_FALSE;
 
@@ -307,7 +307,7 @@ static PetscBool IsFull(const MpmTable *table, const MpmPass *pass, const MpmOp 
 static PetscBool EndsBefore(const MpmTable *table, const MpmPass *pass, const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscBool   begins = op->kind == MPM_SCALE && op->dst >= table->nstate ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   begins = op->kind == MPM_SCALE && op->dst >= MpmTableHeld(table) ? PETSC_TRUE : PETSC_FALSE;
 
   if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES) return PETSC_FALSE;
   if (pass->nnode_ops || pass->rebase) return PETSC_TRUE;
@@ -354,6 +354,7 @@ static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   if (traits.dst == MPM_NOWHERE) {
     PetscCall(Append(pass, (MpmPassOp){.kind = KindOf(op), .map = op->kind, .particle = PetscMax(op->src, 0)}));
     pass->drifts = PETSC_TRUE;
+    pass->within = op->kind == MPM_ADVANCE && op->factor < 1 ? PETSC_TRUE : PETSC_FALSE;
     pass->rebase = c->fused ? PETSC_FALSE : PETSC_TRUE;
     c->mass_due  = PETSC_TRUE;
   } else if (traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_PARTICLES)
@@ -439,8 +440,8 @@ static PetscErrorCode NewPass(MpmSchedule *schedule, MpmPass **pass)
 static PetscErrorCode CheckScratch(const MpmTable *t, const MpmOp *op, PetscBool begun[])
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscBool   from   = traits.src == MPM_ON_PARTICLES && op->src >= t->nstate ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool   to     = traits.dst == MPM_ON_PARTICLES && op->dst >= t->nstate ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   from   = traits.src == MPM_ON_PARTICLES && op->src >= MpmTableHeld(t) ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool   to     = traits.dst == MPM_ON_PARTICLES && op->dst >= MpmTableHeld(t) ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
   if (MpmTableIsFinite(t)) PetscFunctionReturn(PETSC_SUCCESS); /* there operations have more fields than they name */

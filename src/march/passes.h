@@ -62,14 +62,14 @@ typedef struct {
 
 /*
    MpmPass - operations on particles, and those on nodes that follow them. The nsums node fields sum[] are complete when
-   the particles are done. With rebase the particles migrate after the pass.
+   the particles are done. With rebase the particles migrate after the pass. within: they move in the middle of a step.
 */
 typedef struct {
   PetscInt  nops, nsums, nnode_ops;
   MpmPassOp op[MPM_MAX_PASS_OPS];
   PetscInt  sum[MPM_MAX_FIELDS];
   MpmNodeOp node_op[MPM_MAX_PASS_OPS];
-  PetscBool sums_mass, drifts, rebase;
+  PetscBool sums_mass, drifts, within, rebase;
 } MpmPass;
 
 /*S

@@ -15,6 +15,7 @@ typedef struct {
   MpmMarchArrays at;
   PetscInt64     step; /* of the places */
   PetscReal     *scratch, *sum;
+  PetscBool      went; /* particles have moved in the middle of a step, and not migrated since */
   const MpmParity (*parity)[MPM_MAX_DIM];
 } Plain;
 
@@ -27,7 +28,7 @@ typedef struct {
 static PetscErrorCode Begin(Plain *m)
 {
   const MpmTable *table   = m->march->scheme->table;
-  const PetscInt  scratch = (table->nparticles - table->nstate) * m->march->particles->count;
+  const PetscInt  scratch = (table->nparticles - MpmTableHeld(table)) * m->march->particles->count;
 
   PetscFunctionBegin;
   m->at = (MpmMarchArrays){.march = m->march};
@@ -48,9 +49,9 @@ static PetscErrorCode End(Plain *m)
 
 static PetscReal *FieldOf(const Plain *m, PetscInt field)
 {
-  const PetscInt nstate = m->march->scheme->table->nstate;
+  const PetscInt held = MpmTableHeld(m->march->scheme->table);
 
-  return field < nstate ? m->at.particle[field] : m->scratch + (field - nstate) * m->march->particles->count;
+  return field < held ? m->at.particle[field] : m->scratch + (field - held) * m->march->particles->count;
 }
 
 /* ---- particles and nodes ---- */
@@ -214,7 +215,19 @@ static PetscErrorCode RunOnNodes(Plain *m, const MpmOp *op, PetscReal a)
 
 /* ---- a step ---- */
 
-/* Particles have moved: they may go to other ranks, and nodes have other masses. */
+/* Particles have moved, and may go to other ranks. */
+static PetscErrorCode Moved(Plain *m)
+{
+  PetscFunctionBegin;
+  PetscCall(End(m));
+  m->step = m->march->particles->step;
+  m->went = PETSC_FALSE;
+  PetscCall(MpmMarchMoved(m->march, PETSC_FALSE));
+  PetscCall(Begin(m));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Nodes have other masses then. In the middle of a step scratch fields are still needed, so that particles migrate later. */
 static PetscErrorCode Move(Plain *m, const MpmOp *op)
 {
   PetscFunctionBegin;
@@ -222,10 +235,11 @@ static PetscErrorCode Move(Plain *m, const MpmOp *op)
     RunFinite(m, op, 1);
   else if (!MpmMarchDrifts(m->march))
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(End(m));
-  m->step = ++m->march->particles->step;
-  PetscCall(MpmMarchMoved(m->march, PETSC_FALSE));
-  PetscCall(Begin(m));
+  m->went = op->factor < 1 ? PETSC_TRUE : PETSC_FALSE;
+  if (!m->went) {
+    ++m->march->particles->step;
+    PetscCall(Moved(m));
+  }
   if (!m->march->failure[0]) PetscCall(SumMasses(m));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -238,6 +252,8 @@ static PetscErrorCode RunOps(Plain *m, const MpmTable *table, PetscInt first, Pe
     const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
     const PetscReal   a      = MpmOpValue(op, m->march->courant);
 
+    if (m->went && op->kind == MPM_SCALE && op->dst >= MpmTableHeld(table)) PetscCall(Moved(m)); /* scratch begins */
+    if (m->march->failure[0]) break;
     if (traits.dst == MPM_NOWHERE)
       PetscCall(Move(m, op));
     else if (traits.dst == traits.src && traits.dst == MPM_ON_NODES)

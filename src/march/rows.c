@@ -520,7 +520,7 @@ void MpmRowsFinite(const MpmMarchArrays *a, const MpmRowStep *step, PetscInt beg
 {
   const MpmTable      *table = a->march->scheme->table;
   const MpmFiniteWidth width = MpmFiniteWidthOf(step->finite, table->dim, MpmTableStretches(table));
-  MpmFiniteBlock       block = {.begin = begin, .n = n, .step = a->step + after, .a = step->a};
+  MpmFiniteBlock       block = {.begin = begin, .n = n, .step = a->step + (after && !a->within), .a = step->a};
 
   for (PetscInt c = 0; c < width.to; c++) block.to[c] = MpmRowsField(a, step->particle + c, begin);
   for (PetscInt c = 0; c < width.from; c++) block.from[c] = MpmRowsField(a, step->other + c, begin);

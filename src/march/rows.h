@@ -79,9 +79,9 @@ void MpmRowsRun(const MpmMarchArrays *arrays);
 /* Not collective. A particle field from particle begin on. Scratch fields live for one row, or for one cloud. */
 static inline PetscReal *MpmRowsField(const MpmMarchArrays *arrays, PetscInt field, PetscInt begin)
 {
-  const PetscInt nstate = arrays->march->scheme->table->nstate;
+  const PetscInt held = MpmTableHeld(arrays->march->scheme->table);
 
-  return field < nstate ? arrays->particle[field] + begin : arrays->march->scratch + (field - nstate) * MPM_BLOCK;
+  return field < held ? arrays->particle[field] + begin : arrays->march->scratch + (field - held) * MPM_BLOCK;
 }
 
 /* Not collective. Runs a step of finite deformation on n particles from begin on. after: they have been advanced. */

@@ -1,6 +1,6 @@
 /*
    A table about a state, and its differential as a program. With w the weights of a map, w_c their derivatives along c, M the
-   nodal masses and dx the perturbation of the places at the start of the step:
+   nodal masses and dx the perturbation of the places that the weights are of:
 
      P2G    y = a (sum w m q) / M          dy = a (sum w m dq + sum_c sum w_c m q dx_c) / M - y dM / M
      mass   M = sum w m                    dM = sum_c sum w_c m dx_c
@@ -13,7 +13,9 @@
      STRETCH F = A F, A = I + L + a L L    dF = A dF + (dL + a (dL L + L dL)) F
      RETURN F = R(F), with the internal variables of the material      dF = sum dR/dF_ab dF_ab
 
-   All weights are those of the start of the step. Operations that are linear with constant numbers are their own
+     ADVANCE x += way       dx += dway. In the middle of a step weights and masses are made anew there, and dx_c is that of these places
+
+   All weights are those of the start of the step, or of its last ADVANCE. Operations that are linear with constant numbers are their own
    differentials.
 */
 #include "operator/tangent.h"
@@ -28,8 +30,8 @@
 static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
 
 /*
-   The registers of the program: those of the table's particles, then the places, their perturbation at the start, and a
-   copy of dF; on nodes those of the table, and the mass.
+   The registers of the program: those of the table's particles, then the places, their perturbation where the weights are made,
+   and a copy of dF; on nodes those of the table, and the mass.
 */
 typedef struct {
   PetscInt place, start, copy, node, mass;
@@ -52,18 +54,20 @@ static Slots SlotsOf(const MpmTable *t)
    particles, NULL where they are 1. inverse: of the nodal masses.
 */
 typedef struct {
-  const MpmSlab  *sizes;
-  const MpmTable *table;
-  PetscReal       courant, time;
-  Slots           slot;
-  MpmMaps         maps;
-  MpmStepProgram *program;
-  MpmVectors     *values;
-  const Vec      *load;
-  Vec            *value, weight[MPM_PROPERTIES], inverse;
-  PetscBool       inverted; /* a particle has no positive volume in the middle of a step */
-  MpmBranch       branch;
-  PetscInt64      on_surface, met; /* met: in the last slope */
+  const MpmSlab           *sizes;
+  const MpmTable          *table;
+  PetscReal                courant, time;
+  Slots                    slot;
+  MpmMaps                  maps;
+  MpmStepProgram          *program;
+  MpmVectors              *values;
+  const Vec               *load;
+  const MpmParticlePlaces *start; /* the places at the start of the step; moved: those after an ADVANCE in its middle */
+  Vec                     *value, weight[MPM_PROPERTIES], inverse;
+  MpmParticlePlaces        moved;
+  PetscBool                inverted; /* a particle has no positive volume in the middle of a step */
+  MpmBranch                branch;
+  PetscInt64               on_surface, met; /* met: in the last slope */
 } Builder;
 
 /* ---- the space ---- */
@@ -534,6 +538,42 @@ static PetscErrorCode Collide(Builder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The places of particles that have moved in the middle of a step. */
+static PetscErrorCode PlacesNow(Builder *b)
+{
+  const MpmParticlePlaces *start = b->start;
+  const PetscReal         *gone;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < b->table->dim; a++) {
+    if (!b->moved.xi[a])
+      PetscCall(PetscMalloc2(b->sizes->particles, &b->moved.cell[a], b->sizes->particles, &b->moved.xi[a]));
+    PetscCall(VecGetArrayRead(b->value[b->slot.place + a], &gone));
+    for (PetscInt p = 0; p < b->sizes->particles; p++) {
+      const PetscReal place = start->xi[a][p] + gone[p], whole = floor(place);
+
+      b->moved.cell[a][p] = start->cell[a][p] + (PetscInt)whole;
+      b->moved.xi[a][p]   = place - whole;
+    }
+    PetscCall(VecRestoreArrayRead(b->value[b->slot.place + a], &gone));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Weights and masses of where particles are now. */
+static PetscErrorCode PlaceAnew(Builder *b)
+{
+  PetscFunctionBegin;
+  PetscCall(PlacesNow(b));
+  PetscCall(MpmMapsDestroy(&b->maps));
+  b->maps = (MpmMaps){.slab = b->sizes, .places = &b->moved};
+  for (PetscInt a = 0; a < b->table->dim; a++) PetscCall(Clear(b, b->slot.start + a));
+  PetscCall(Clear(b, b->slot.mass));
+  PetscCall(VecDestroy(&b->inverse));
+  PetscCall(Masses(b));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* x += the way that particles go. The places of the builder are how far they have gone. */
 static PetscErrorCode Advance(Builder *b, const MpmOp *op)
 {
@@ -543,6 +583,7 @@ static PetscErrorCode Advance(Builder *b, const MpmOp *op)
 
     PetscCall(AppendLinear(b, line));
   }
+  if (op->factor < 1) PetscCall(PlaceAnew(b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -721,6 +762,7 @@ static PetscErrorCode Begin(Builder *b, MpmTangentSpace *space, PetscReal couran
                  .courant = courant,
                  .time    = state->time,
                  .load    = state->load,
+                 .start   = &state->places,
                  .branch  = space->branch,
                  .slot    = SlotsOf(space->sizes.scheme->table),
                  .maps    = {.slab = &space->sizes, .places = &state->places}};
@@ -742,6 +784,7 @@ static PetscErrorCode End(Builder *b)
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++) PetscCall(VecDestroy(&b->weight[w]));
   PetscCall(VecDestroy(&b->inverse));
   PetscCall(MpmMapsDestroy(&b->maps));
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) PetscCall(PetscFree2(b->moved.cell[a], b->moved.xi[a]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -104,6 +104,7 @@ WHEN(HasInclusion, in == MPM_IN_FILE || in == MPM_IN_MODE_FILE || s->layout.mate
 WHEN(HasPrestress, MpmSpaceIsPrestressed(&s->scheme.space))
 WHEN(HasMove, s->scheme.space.displaced || s->scheme.space.finite)
 WHEN(HasMoveShare, MpmFormulationReads(s->scheme.formulation, "move_share") && HasMove(s, in))
+WHEN(HasRkPlaces, s->scheme.numbers.rk_places != MPM_RK_FROZEN)
 WHEN(HasRelax, s->scheme.numbers.rk_relax)
 WHEN(HasKinematics, s->scheme.space.finite)
 WHEN(HasShape, s->layout.shape)
@@ -174,6 +175,8 @@ const MpmField MpmOptions[] = {
    .word = MpmRkWord, TEXT(RkOf), IN(90, 71, 65, 50), SHOWN(HasRk)},
   {"rk_on", MPM_WORD, "auto", "formulation rk: stages are on particles (a whole P2G and G2P each, transfer flip) or on nodes; auto: on particles with flip, else on nodes",
    WORDS(MpmRkOnNames), TEXT(RkOnOf), IN(91, 72, 66, 51), SHOWN(HasRk)},
+  {"rk_places", MPM_WORD, "frozen", "formulation rk: where particles are during a step. frozen: where they were at its start; stages: with kinematics finite they move in each stage, and weights are made anew",
+   WORDS(MpmRkPlacesNames), KEPT(AS_WORD, scheme.numbers.rk_places), IN(110, 93, 86, 60), SHOWN(HasRkPlaces)},
   {"theta", MPM_FRACTION, "1/2", "formulation implicit: the weight of the new velocity; 1/2 is the midpoint rule, 1 is backward Euler",
    BETWEEN(0, 1), KEPT(AS_REAL, scheme.numbers.theta), IN(92, 73, 67, 52), SHOWN(HasTheta)},
   {"halvings", MPM_INTEGER, "6", "formulation implicit with kinematics finite: how often a step is halved that does not converge, or that takes a particle a cell or further, before the run ends",

@@ -416,6 +416,12 @@ PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *s
     PetscCall(MpmSettingsRequire(settings, scene, "move", MpmFormulationIsProjected, "second P2G of the velocity"));
   MpmSettingsRefuseIf(scene->scheme.numbers.rk_relax, settings, "rk_relax",
                       "a linear step does not raise the energy below its limit; allowed: only with kinematics finite");
+  for (PetscInt a = 0; a < space->dim; a++)
+    if (scene->step.drift[a].value != 0 || MpmSpaceIsPrestressed(space))
+      MpmSettingsRefuseIf(
+          scene->scheme.numbers.rk_places == MPM_RK_STAGES, settings, "rk_places",
+          "at small strain no particle moves in a stage; allowed: frozen, or without drift and prestress, where "
+          "both are the same, or with kinematics finite");
   if (!MpmSpaceIsPrestressed(space)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsRequire(settings, scene, scene->law == &MpmLawLinear ? "prestress" : "material", HasMove,
                                "MOVE, which says what velocity particles move with"));

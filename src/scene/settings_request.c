@@ -101,6 +101,8 @@ static const char *WhyNot(const MpmScene *scene)
     return "with rk_relax a step has a factor, which has no derivative where it comes to 1; allowed: without rk_relax";
   if (MpmCollidersStiffness(scene->layout.colliders) > 0)
     return "what a collider of contact penalty gives particles has no part in the tangent; allowed: another contact";
+  if (scene->scheme.numbers.rk_places == MPM_RK_STAGES && scene->body_force)
+    return "with rk_places stages a body force is also that of other times than the step's; allowed: rk_places frozen";
   if (MpmTableHas(scene->scheme.table, MPM_SOLVE))
     return "transfer nullspace has a pseudoinverse, whose derivative is not known here; allowed: another transfer";
   if (MpmBasisIsAltered(scene->scheme.basis))

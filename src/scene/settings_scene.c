@@ -64,8 +64,18 @@ PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, const 
   PetscCall(MpmSettingsWord(settings, "rk", &numbers->rk));
   PetscCall(MpmSettingsWord(settings, "rk_on", &on));
   numbers->rk_on = (MpmRkOn)on;
+  PetscCall(MpmSettingsWord(settings, "rk_places", &numbers->rk_places));
   MpmSettingsRefuseIf(numbers->rk_on == MPM_RK_PARTICLES && filters, settings, "rk_on",
                       "allowed: only with transfer flip; nodes with others");
+  if (numbers->rk_places != MPM_RK_STAGES) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmSettingsRefuseIf(numbers->rk_on == MPM_RK_NODES || filters, settings, "rk_places",
+                      "stages on nodes are of one grid; allowed: frozen, or stages on particles with transfer flip");
+  MpmSettingsRefuseIf(
+      numbers->rk_relax, settings, "rk_places",
+      "with rk_relax a part of the increments is taken, and places of stages have none; allowed: frozen, or "
+      "without rk_relax");
+  MpmSettingsRefuseIf(MpmSettingsGiven(settings, "move_share"), settings, "rk_places",
+                      "particles move with the velocities of the stages; allowed: frozen, or without move_share");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

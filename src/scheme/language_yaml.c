@@ -126,7 +126,7 @@ static PetscBool IsComponent(const char name[], const char of[])
 /* Names that arrays of particles in memory and files have already; c is an affine part. */
 static PetscBool IsReserved(const char name[])
 {
-  static const char *const names[] = {"c", "x", "y", "z", "id", "cell", "xi", "mass", "volume", "stiffness"};
+  static const char *const names[] = {"c", "x", "id", "cell", "xi", "gone", "mass", "volume", "stiffness", "mobility"};
 
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(names); i++)
     if (!strcmp(name, names[i]) || IsComponent(name, names[i])) return PETSC_TRUE;

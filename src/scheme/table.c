@@ -580,6 +580,8 @@ static PetscErrorCode Translate(MpmTableBuilder *b)
       PetscCall(MpmFiniteMove(b));
     else if (op->kind == MPM_MOVE || op->kind == MPM_MOVE_PROJECTED)
       PetscCall(Move(b, op));
+    else if (op->kind == MPM_MOVE_TO)
+      PetscCall(MpmFiniteMoveTo(b, op));
     else if (op->kind == MPM_REACT)
       PetscCall(React(b, o));
     else

@@ -29,6 +29,8 @@
    velocity        - the first of the node registers with the velocity that particles move with, or MPM_NONE
    slope, load, way - the first of the scratch registers with the velocity's slopes in a step, the body force, and the
                      way that particles go in a step
+   gone            - the first of the registers that keep how far particles have gone in the step, or MPM_NONE
+   at_part         - the part of the step that particles have gone
    stretching      - the slopes are complete, and the stretch with this first register is to be stretched by them, or
                      MPM_NONE
    staged          - a step has several stages
@@ -45,10 +47,10 @@ typedef struct {
   PetscInt                particle[MPM_MAX_FIELDS], node[MPM_MAX_FIELDS], kept[MPM_MAX_FIELDS], sharp[MPM_MAX_FIELDS],
       sharp_at[MPM_MAX_FIELDS];
   PetscInt stretched[MPM_MAX_FIELDS], moved[MPM_MAX_MOVED], moved_at[MPM_MAX_MOVED], nmoved, nsummed, velocity, slope,
-      load, way, stretching;
+      load, way, gone, stretching;
   PetscReal share[MPM_MAX_MOVED];
   PetscBool staged, implicit;
-  PetscReal ahead;
+  PetscReal ahead, at_part;
   PetscInt  start, stress, viscous;
   MpmTable *table;
 } MpmTableBuilder;
@@ -116,7 +118,8 @@ PetscErrorCode MpmDampingAfter(MpmTableBuilder *b, PetscInt o);
    MpmFiniteAddScratch - the scratch registers
    MpmFinitePlan       - finds out what particles move with
    MpmFiniteSet        - the operations for a stress of a stage that is set to that of the state
-   MpmFiniteDiv, MpmFiniteGrad, MpmFiniteMove - the operations for DIV of a stress, GRAD to a stress, and DRIFT
+   MpmFiniteDiv, MpmFiniteGrad, MpmFiniteMove - the operations for DIV of a stress, GRAD to a stress, and DRIFT. MpmFiniteMoveTo:
+                         of MOVE_TO
    MpmFiniteAhead      - the operations for IMPLICIT of a field, whose own table has the acceleration in registers from image on
    MpmFiniteBefore     - what must be done before line number o of the formulation, and MpmFiniteAfter: after it
 */
@@ -128,6 +131,7 @@ PetscErrorCode MpmFiniteSet(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteGrad(MpmTableBuilder *b, const MpmOp *op, PetscBool begins, PetscBool ends);
 PetscErrorCode MpmFiniteMove(MpmTableBuilder *b);
+PetscErrorCode MpmFiniteMoveTo(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteBefore(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteAfter(MpmTableBuilder *b, PetscInt o);
 

@@ -12,6 +12,8 @@
                           soon as it is stretched
      MOVE                 the velocity that particles move with, a sum of shares of node fields
      DRIFT                x <- x + k sum_i phi_ip of that velocity
+     MOVE_TO              the same to a part of the step, from where particles were at its start: they go by the difference to the
+                          way that they have gone so far, which is kept from one MOVE_TO to the next and to DRIFT
 
      IMPLICIT           a_i is the solution of a_i = - k DIV T, T = P((I + theta L) F) F^T the stress in the middle of the step,
                         brought back to its start (deform.c). L = k GRAD (v_i + theta a_i). The lines that set the stress of
@@ -80,7 +82,8 @@ PetscErrorCode MpmFiniteAddScratch(MpmTableBuilder *b)
   b->stretching = MPM_NONE;
   PetscCall(AddVector(t, dim * dim, &b->slope));
   PetscCall(AddVector(t, dim, &b->way));
-  b->load = MPM_NONE;
+  b->load    = MPM_NONE;
+  b->at_part = 0;
   if (b->space->loaded) PetscCall(AddVector(t, dim, &b->load));
   t->material = b->space->material;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -186,7 +189,8 @@ static PetscErrorCode Stretch(MpmTableBuilder *b)
 PetscErrorCode MpmFiniteBefore(MpmTableBuilder *b, const MpmOp *op)
 {
   PetscFunctionBegin;
-  if (op->kind != MPM_MOVE && op->kind != MPM_MOVE_PROJECTED && op->kind != MPM_DRIFT) PetscCall(Stretch(b));
+  if (op->kind != MPM_MOVE && op->kind != MPM_MOVE_PROJECTED && op->kind != MPM_MOVE_TO && op->kind != MPM_DRIFT)
+    PetscCall(Stretch(b));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -217,7 +221,8 @@ PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
   PetscCall(
       MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_STRESS, .dst = tau, .src = b->stretched[op->src], .factor = 1}));
   if (b->space->loaded)
-    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load}));
+    PetscCall(
+        MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = b->at_part}));
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt axis = 0; axis < dim; axis++)
       PetscCall(MpmBuilderTerm(b, op, node + a, tau + MpmSpaceStress(b->space, a, axis), axis, b->space->stiffness,
@@ -297,18 +302,50 @@ PetscErrorCode MpmFiniteGrad(MpmTableBuilder *b, const MpmOp *op, PetscBool begi
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmFiniteMove(MpmTableBuilder *b)
+static PetscErrorCode AddTo(MpmTableBuilder *b, PetscInt to, PetscReal factor, PetscInt from)
+{
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < b->space->dim; a++)
+    PetscCall(MpmTableAppendOwn(
+        b->table,
+        (MpmOp){.kind = MPM_ADD, .dst = to + a, .src = from + a, .accumulates = PETSC_TRUE, .factor = factor}));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Particles go to where a velocity from node register velocity on has taken them by a part of the step. */
+static PetscErrorCode Go(MpmTableBuilder *b, PetscInt velocity, PetscReal part)
 {
   PetscFunctionBegin;
   for (PetscInt a = 0; a < b->space->dim; a++) {
     PetscInt sharp;
 
-    PetscCall(MpmBuilderSharpen(b, b->velocity + a, &sharp));
+    PetscCall(MpmBuilderSharpen(b, velocity + a, &sharp));
   }
   for (PetscInt a = 0; a < b->space->dim; a++) PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->way + a, 0)));
+  if (b->at_part > 0) PetscCall(AddTo(b, b->way, -1, b->gone));
   for (PetscInt a = 0; a < b->space->dim; a++)
-    PetscCall(MpmBuilderAppend(b, (MpmOp)G2P(b->way + a, b->velocity + a, COURANT)));
+    PetscCall(MpmBuilderAppend(b, (MpmOp)G2P_TIMES(b->way + a, velocity + a, part, COURANT)));
   PetscCall(Stretch(b));
-  PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_ADVANCE, .dst = MPM_NONE, .src = b->way, .factor = 1}));
+  if (part < 1) PetscCall(AddTo(b, b->gone, 1, b->way));
+  PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_ADVANCE, .dst = MPM_NONE, .src = b->way, .factor = part}));
+  b->at_part = part;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmFiniteMove(MpmTableBuilder *b)
+{
+  PetscFunctionBegin;
+  PetscCall(Go(b, b->velocity, 1));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* At small strain particles stay where they are, or move with the drift alone. */
+PetscErrorCode MpmFiniteMoveTo(MpmTableBuilder *b, const MpmOp *op)
+{
+  PetscFunctionBegin;
+  if (!b->space->finite) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt a = 0; a < b->space->dim && b->at_part == 0; a++)
+    PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->gone + a, 0)));
+  PetscCall(Go(b, b->node[op->src], op->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

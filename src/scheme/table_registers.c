@@ -283,6 +283,23 @@ static PetscErrorCode AddScratch(MpmTableBuilder *b, PetscInt field)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* How far particles have gone in a step, where they move in its middle. It is named as the state is, and taken out of it. */
+static PetscErrorCode AddGone(MpmTableBuilder *b)
+{
+  MpmTable *t = b->table;
+
+  PetscFunctionBegin;
+  b->gone = MPM_NONE;
+  for (PetscInt o = 0; o < b->formulation->nops && b->gone == MPM_NONE; o++)
+    if (b->formulation->ops[o].kind == MPM_MOVE_TO) b->gone = t->nstate;
+  if (b->gone == MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmBuilderAddComponents(t, "gone", MPM_NONE, MPM_VECTOR, PETSC_FALSE));
+  t->nkept             = t->nstate - b->gone;
+  t->nstate            = b->gone;
+  t->fields[t->nstate] = NULL;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBuilderAddRegisters(MpmTableBuilder *b)
 {
   MpmTable *t = b->table;
@@ -294,7 +311,8 @@ PetscErrorCode MpmBuilderAddRegisters(MpmTableBuilder *b)
   PetscCall(AddDisplacement(b));
   t->unfiltered = t->nstate;
   PetscCall(AddAffinePart(b));
-  t->nparticles = t->nstate;
+  if (b->space->finite) PetscCall(AddGone(b));
+  t->nparticles = MpmTableHeld(t);
   for (PetscInt f = 0; b->formulation->particle_fields[f]; f++)
     if (b->formulation->scratch[f]) PetscCall(AddScratch(b, f));
   if (b->space->finite) PetscCall(MpmFiniteAddScratch(b));

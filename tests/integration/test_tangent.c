@@ -373,6 +373,27 @@ static PetscErrorCode CheckTangents(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Stages that move particles, with the weights of new places in each. */
+static PetscErrorCode CheckStages(void)
+{
+  static const char *const kinds[] = {
+      "-cells 9 -ppc 2 -basis quadratic", "-cells 9 -ppc 2 -basis cubic -rk kg5 -boundary fixed,free",
+      "-dim 2 -cells 6,5 -ppc 2 -basis quadratic -gradient mls -rk rk3 -boundary fixed,periodic",
+      "-dim 3 -cells 5,4,4 -ppc 1 -basis cubic -material svk"};
+  char options[512];
+
+  PetscFunctionBegin;
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(kinds); i++) {
+    PetscCall(
+        PetscSNPrintf(options, sizeof options,
+                      "-kinematics finite -material neo -lame_ratio 0.7 -formulation rk -rk_places stages -jitter 0.2 "
+                      "-seed 3 %s",
+                      kinds[i]));
+    PetscCall(CheckTangent(options));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The implicit step, whose tangent is that of the solution of a nonlinear system. */
 static PetscErrorCode CheckImplicit(void)
 {
@@ -469,6 +490,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCheck(argc > 1, PETSC_COMM_WORLD, PETSC_ERR_USER, "tangent FILE");
   PetscCall(SlepcInitializeNoArguments());
   PetscCall(CheckTangents());
+  PetscCall(CheckStages());
   PetscCall(CheckImplicit());
   PetscCall(CheckColliders());
   PetscCall(CheckPlastic());

@@ -21,6 +21,7 @@ static const char *const other[][2] = {
     {"rk", "-formulation rk -rk kg5"},
     {"theta", "-formulation implicit -theta 0.75"},
     {"rk_on", "-formulation rk -rk_on nodes"},
+    {"rk_places", "-formulation rk -kinematics finite -rk_places stages"},
     {"rk_relax", "-formulation rk -kinematics finite -rk_relax"},
     {"move_share", "-formulation verlet -kinematics finite -move_share 0.75"},
     {"cells", "-cells 9"},

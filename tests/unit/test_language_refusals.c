@@ -250,6 +250,11 @@ static PetscErrorCode CheckWhole(void)
               "text:3: v_x: is a component of v"));
   PetscCall(Refuses("scheme:\n  name: x\n  particles: {xi: vector}\n  nodes: {v_i: vector}\n  step: [DRIFT]\n",
                     "text:3: xi: particles have something of this name already"));
+  PetscCall(Refuses("scheme:\n  name: x\n  particles: {gone: vector}\n  nodes: {v_i: vector}\n  step: [DRIFT]\n",
+                    "text:3: gone: particles have something of this name already"));
+  PetscCall(Refuses(
+      "scheme:\n  name: x\n  particles: {z: vector, y: vector}\n  nodes: {v_i: vector}\n", /* names of their own */
+      "scheme: 'step' is missing; allowed: a scheme with name, particles, nodes and step"));
   PetscCall(Refuses("scheme:\n  name: x\n  particles: {v: vector}\n  nodes: {v_i: vector}\n",
                     "scheme: 'step' is missing; allowed: a scheme with name, particles, nodes and step"));
   PetscCall(Refuses("scheme:\n  name: x\n  particles: {v: vector\n", "text:4: not YAML: "));

@@ -31,7 +31,8 @@ static const struct {
                {"rk4", 4, {1. / 4, 1. / 3, 1. / 2, 1}, 2.8284271247461903},
                {"kg5", 5, {1. / 4, 1. / 6, 3. / 8, 1. / 2, 1}, 4}};
 
-const char *const MpmRkOnNames[] = {"auto", "particles", "nodes", NULL};
+const char *const MpmRkOnNames[] = {"auto", "particles", "nodes", NULL}, *const MpmRkPlacesNames[] = {"frozen",
+                                                                                                      "stages", NULL};
 
 const char *MpmRkWord(PetscInt i)
 {
@@ -64,9 +65,9 @@ static void Begin(Table *t, PetscInt scratch, PetscInt field)
 /*
    A stage takes the velocity from and the force a_i of the stage before it to the velocity to and a new force. On
    particles to is P2G of p = v + c G2P a_i. On nodes it is v_i + c a_i. Scratch fields live between two sums, so that
-   these come together.
+   these come together. moves: a stage on particles moves them, too.
 */
-static void Stage(Table *t, PetscBool on_nodes, PetscReal c, PetscInt from, PetscInt to)
+static void Stage(Table *t, PetscBool on_nodes, PetscBool moves, PetscReal c, PetscInt from, PetscInt to)
 {
   if (on_nodes) {
     Put(t, (MpmOp)COPY(to, V_I)); /* to = v_i + c a_i */
@@ -78,6 +79,7 @@ static void Stage(Table *t, PetscBool on_nodes, PetscReal c, PetscInt from, Pets
   }
   Begin(t, Q, S);
   Put(t, (MpmOp)GRAD_TIMES(Q, from, c, COURANT)); /* q_p = s_p + c k sum_i dS_ip/dx from_i */
+  if (moves) Put(t, (MpmOp)MOVE_TO(from, c));     /* x_p = that of the start + c dt sum_i S_ip from_i */
   if (!on_nodes) Put(t, (MpmOp)P2G(to, P));       /* to = sum_p S_ip p_p */
   Put(t, (MpmOp)MINUS_DIV(A_I, Q, COURANT));      /* a_i = - k sum_p V_p dS_ip/dx q_p */
   if (!on_nodes) Put(t, (MpmOp)IMPOSE(to));
@@ -99,7 +101,7 @@ static PetscInt Lines(const MpmSchemeNumbers *numbers, const MpmTransfer *transf
   for (PetscInt j = 0; j < methods[numbers->rk].stages - 1; j++) { /* 3. the stages in between */
     const PetscInt to = j % 2 ? U_I : W_I;
 
-    Stage(&t, on_nodes, methods[numbers->rk].c[j], from, to);
+    Stage(&t, on_nodes, numbers->rk_places == MPM_RK_STAGES, methods[numbers->rk].c[j], from, to);
     from = to;
   }
   if (share != 0.5) { /* n_i = v_i + a_i, in the place of the stage before */
@@ -211,7 +213,7 @@ const MpmFormulation MpmRk = {
     .scratch         = {[P] = PETSC_TRUE, [Q] = PETSC_TRUE},
     .node_fields     = {"v_i", "a_i", "w_i", "u_i"},
     .node_ranks      = {MPM_VECTOR, MPM_VECTOR, MPM_VECTOR, MPM_VECTOR},
-    .options         = {"rk", "rk_on", "rk_relax", "move_share"},
+    .options         = {"rk", "rk_on", "rk_places", "rk_relax", "move_share"},
     .move_share      = 0.5,
     .lines           = Lines,
     .staggered       = MPM_NONE,
