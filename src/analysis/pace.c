@@ -3,6 +3,7 @@
 #include "analysis/lone.h"
 #include "analysis/patch.h"
 #include "base/text.h"
+#include "march/march_private.h"
 #include "march/finite.h"
 #include <mpmstab/critical.h>
 #include <mpmstab/errors.h>
@@ -185,38 +186,32 @@ PetscBool MpmPaceIsOver(const MpmPace *pace, const MpmMarch *march)
 
 PetscErrorCode MpmPaceSpeeds(const MpmMarch *march, PetscReal **moduli, PetscReal speed[2])
 {
-  const MpmTable  *t   = march->scheme->table;
-  const PetscInt   dim = t->dim, components = MpmTableStretches(t), n = march->particles->count;
-  const PetscReal *F[MPM_MOST_STRETCH], *q, *of[MPM_PROPERTIES]       = {NULL};
+  const MpmTable *t   = march->scheme->table;
+  const PetscInt  dim = t->dim, components = MpmTableStretches(t), n = march->particles->count;
+  MpmMarchArrays  at = {.march = march};
 
   PetscFunctionBegin;
   speed[0] = speed[1] = 0;
-  for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) PetscCall(MpmMarchGetProperty(march, w, &of[w]));
   PetscCall(PetscFree(*moduli));
   PetscCall(PetscMalloc1(n, moduli));
-  for (PetscInt c = 0; c < components; c++)
-    PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
+  PetscCall(MpmMarchGetArrays(march, march->particles->step, &at));
   for (PetscInt p = 0; p < n; p++) {
-    PetscReal at[MPM_MOST_STRETCH], square;
+    PetscReal F[MPM_MOST_STRETCH], modulus, square;
 
-    for (PetscInt c = 0; c < components; c++) at[c] = F[c][p];
-    (*moduli)[p] = fmax(MpmMaterialModulus(&t->material, dim, at), 0) * march->scheme->space.stiffness;
+    for (PetscInt c = 0; c < components; c++) F[c] = at.particle[t->stretch + c][p];
+    modulus      = MpmMaterialModulus(&t->material, dim, F);
+    (*moduli)[p] = modulus > 0 ? modulus * march->scheme->space.stiffness : 0;
     square       = (*moduli)[p];
-    if (of[MPM_STIFFNESS]) square *= of[MPM_STIFFNESS][p];
-    if (of[MPM_VOLUME]) square *= of[MPM_VOLUME][p];
-    if (of[MPM_MASS]) square /= of[MPM_MASS][p];
+    if (at.weight[MPM_STIFFNESS]) square *= at.weight[MPM_STIFFNESS][p];
+    if (at.weight[MPM_VOLUME]) square *= at.weight[MPM_VOLUME][p];
+    if (at.weight[MPM_MASS]) square /= at.weight[MPM_MASS][p];
     speed[0] = PetscMax(speed[0], square);
   }
   speed[0] = sqrt(speed[0]);
-  for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) PetscCall(MpmMarchRestoreProperty(march, w, &of[w]));
-  for (PetscInt c = 0; c < components; c++)
-    PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
-  for (PetscInt r = 0; r < t->nstate; r++) {
-    if (t->field[r] == MPM_STRETCHED || t->field[r] == MPM_NONE) continue;
-    PetscCall(MpmParticlesGet(march->particles, t->fields[r], &q));
-    for (PetscInt p = 0; p < n; p++) speed[1] = PetscMax(speed[1], fabs(q[p]));
-    PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
-  }
+  for (PetscInt r = 0; r < t->nstate; r++)
+    for (PetscInt p = 0; t->field[r] != MPM_STRETCHED && t->field[r] != MPM_NONE && p < n; p++)
+      speed[1] = PetscMax(speed[1], fabs(at.particle[r][p]));
+  PetscCall(MpmMarchRestoreArrays(march, &at));
   PetscCallMPI(
       MPI_Allreduce(MPI_IN_PLACE, speed, 2, MPIU_REAL, MPI_MAX, PetscObjectComm((PetscObject)march->grid->da)));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -6,6 +6,7 @@
 #include "analysis/run.h"
 #include "analysis/spectrum.h"
 #include "report/results.h"
+#include "task/task.h"
 #include <mpmstab/critical.h>
 #include <slepcsys.h>
 
@@ -63,6 +64,7 @@ static PetscErrorCode CheckBare(void)
   MpmScene      *scene;
   MpmSpectrum   *spectrum;
   MpmRun        *run;
+  PetscInt       missed = 0;
   MpmPredictions predictions;
   json_t        *result;
 
@@ -82,7 +84,7 @@ static PetscErrorCode CheckBare(void)
   CHECK(!run->has_errors && isnan(run->energy_final), "errors, or an energy of %g", run->energy_final);
   CHECK(run->verdict == MPM_UNSTABLE && fabs(run->growth.per_step / spectrum->growth - 1) < 1e-3,
         "run: %s, growth %.9g, spectrum %.9g", MpmVerdictNames[run->verdict], run->growth.per_step, spectrum->growth);
-  PetscCall(MpmRunReport(run));
+  PetscCall(MpmTaskRun(scene, &check_request, 0, &missed));
   PetscCall(MpmRunDestroy(&run));
   PetscCall(MpmSpectrumDestroy(&spectrum));
   PetscCall(MpmSceneDestroy(&scene));
