@@ -9,7 +9,7 @@
 static PetscErrorCode EnsembleOf(const char options[], MpmScene **scene, MpmEnsemble **e)
 {
   PetscFunctionBegin;
-  PetscCall(CheckScene(options, scene));
+  PetscCall(CheckSceneOf("ensemble", options, scene));
   PetscCall(MpmEnsembleCreate(*scene, &check_request, e));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
