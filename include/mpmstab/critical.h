@@ -44,9 +44,8 @@ typedef struct {
    threshold   - below stable_at there is no growth at all, but for rounding and windows
    fading      - without a threshold, growth - 1 fades as the Courant number to this power, and the limit comes from
                  tolerance alone. At rest such a scheme has courant 0.
-   moving      - growth at the scene's own Courant number if particles at rest drifted by 1 / MPM_CRITICAL_DRIFT along x;
-                 NaN: it was not asked for
-   moving_diagonal - the same if they drifted by so much in each direction; NaN in one dimension
+   moving      - growth at the scene's own Courant number if particles at rest drifted (MpmCriticalMoving); NaN: it was not
+                 asked for
    disputed    - courant is undecided because search and closed form contradict each other
    rounding    - where it is not 0: the growth that rounding alone may make at the limit found. It is more than
                  tolerance, so that courant is undecided.
@@ -86,8 +85,8 @@ typedef struct {
    seconds     - the time that the search took
 S*/
 typedef struct {
-  PetscReal      courant, stable_at, unstable_at, doubtful, beta[MPM_MAX_DIM], null_share, fading, moving;
-  PetscReal      moving_diagonal, closed, closed_beta[MPM_MAX_DIM], bound, quiet, cured, rounding, seconds;
+  PetscReal      courant, stable_at, unstable_at, doubtful, beta[MPM_MAX_DIM], null_share, fading, moving[2];
+  PetscReal      closed, closed_beta[MPM_MAX_DIM], bound, quiet, cured, rounding, seconds;
   PetscBool      threshold, assembled, disputed, followed, pencil, leftmost, bounded, too_large;
   PetscInt       order, nodal, phases;
   MpmWaveType    wave;
@@ -132,7 +131,6 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
 #define MPM_CRITICAL_TO 64.0
 #define MPM_CRITICAL_PRECISION 1e-10 /* relative width of a bracket by the symbol */
 #define MPM_CRITICAL_DRIFT 8         /* steps a cell: the drift of MpmCritical's moving */
-#define MPM_CRITICAL_STEP 0.003      /* the largest step in the Courant number under drift */
 
 /*
    MpmCriticalFind - searches for the largest stable Courant number, from small ones upwards. With alone, asked and
@@ -159,6 +157,15 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
    Errors: refuses (PETSC_ERR_USER_INPUT) an operator whose order is too large for that.
 */
 PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCritical *critical);
+
+/*
+   MpmCriticalMoving - growth per step of a lattice at a Courant number, if particles drift by 1/MPM_CRITICAL_DRIFT of a cell per
+   step: along the first direction, and along all of them (NaN in one dimension).
+
+   Not collective. evaluations: how many symbols were taken is added.
+*/
+PetscErrorCode MpmCriticalMoving(const MpmCriticalCase *of, PetscReal courant, PetscReal growth[2],
+                                 PetscInt64 *evaluations);
 
 /*
    MpmCriticalSurvey - the limit of every formulation, transfer and basis on a case's layout and with its drift, in

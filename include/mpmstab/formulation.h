@@ -206,6 +206,9 @@ typedef struct {
   PetscInt  side;
 } MpmOp;
 
+/* Not collective. Whether an operation takes values of nodes to particles. */
+PetscBool MpmOpIsGather(const MpmOp *op);
+
 /* Not collective. The number a of an operation: factor times the Courant number to the power coefficient. */
 PetscReal MpmOpValue(const MpmOp *op, PetscReal courant);
 

@@ -208,6 +208,3 @@ void MpmMaterialEnergy(const MpmMaterialNumbers *material, PetscInt dim, PetscIn
    positive where such waves do not travel.
 */
 PetscReal MpmMaterialModulus(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[]);
-
-/* Not collective. The speed c of MpmMaterialModulus, in units of c0; 0 where such waves do not travel. */
-PetscReal MpmMaterialSpeed(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[]);

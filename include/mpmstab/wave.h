@@ -18,7 +18,7 @@
    MPM_INITIAL_EIGENMODE - an eigenvector that the task spectrum has written
    MPM_INITIAL_STEP      - a bar at rest, whose free end is loaded from time 0 on
 
-   At finite strain (src/scene/solution_solid.c, solution_gas.c):
+   At finite strain (src/scene/solution.c):
 
    MPM_INITIAL_MANUFACTURED - a standing wave of large amplitude, which a body force makes exact
    MPM_INITIAL_VORTEX       - a ring that turns, by more in its middle than at its edges; in the plane

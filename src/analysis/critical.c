@@ -102,21 +102,24 @@ static PetscErrorCode Ask(const MpmCriticalCase *of, MpmCritical *c, PetscReal b
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Growth with a small drift, along x and along the diagonal: a limit of particles at rest says nothing about moving ones. */
-static PetscErrorCode WhenMoving(const MpmCriticalCase *of, MpmCritical *c)
+/* A limit of particles at rest says nothing about moving ones. */
+PetscErrorCode MpmCriticalMoving(const MpmCriticalCase *of, PetscReal courant, PetscReal growth[2],
+                                 PetscInt64 *evaluations)
 {
   MpmCriticalCase moving  = *of;
   MpmFinding      finding = {0};
   PetscReal       beta[MPM_MAX_DIM];
 
   PetscFunctionBegin;
+  moving.step.courant  = courant;
   moving.step.drift[0] = (MpmFraction){.num = 1, .den = MPM_CRITICAL_DRIFT, .value = 1.0 / MPM_CRITICAL_DRIFT};
-  PetscCall(GrowthAt(&moving, PETSC_TRUE, &finding, beta, &c->evaluations));
-  c->moving = finding.growth;
+  PetscCall(GrowthAt(&moving, PETSC_TRUE, &finding, beta, evaluations));
+  growth[0] = finding.growth;
+  growth[1] = NAN;
   if (of->layout->dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 1; a < of->layout->dim; a++) moving.step.drift[a] = moving.step.drift[0];
-  PetscCall(GrowthAt(&moving, PETSC_TRUE, &finding, beta, &c->evaluations));
-  c->moving_diagonal = finding.growth;
+  PetscCall(GrowthAt(&moving, PETSC_TRUE, &finding, beta, evaluations));
+  growth[1] = finding.growth;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -273,16 +276,15 @@ static PetscErrorCode Polarise(const MpmCriticalCase *of, PetscReal courant, con
 
 static MpmCritical Nothing(PetscReal tolerance)
 {
-  MpmCritical c = {.unstable_at     = INFINITY,
-                   .doubtful        = INFINITY,
-                   .null_share      = NAN,
-                   .fading          = NAN,
-                   .moving          = NAN,
-                   .moving_diagonal = NAN,
-                   .closed          = NAN,
-                   .threshold       = PETSC_TRUE,
-                   .mode_at         = {.id = MPM_NONE},
-                   .asked           = {.tolerance = tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
+  MpmCritical c = {.unstable_at = INFINITY,
+                   .doubtful    = INFINITY,
+                   .null_share  = NAN,
+                   .fading      = NAN,
+                   .moving      = {NAN, NAN},
+                   .closed      = NAN,
+                   .threshold   = PETSC_TRUE,
+                   .mode_at     = {.id = MPM_NONE},
+                   .asked       = {.tolerance = tolerance, .growth = NAN, .verdict = MPM_UNDECIDED}};
 
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) c.beta[a] = c.closed_beta[a] = NAN;
   return c;
@@ -313,7 +315,7 @@ static PetscErrorCode Search(const MpmCriticalCase *of, const Strategy *s, Petsc
     if (s->again && c->asked.verdict == MPM_UNSTABLE && start.unstable < c->stable_at &&
         !HasWindowAt(c, start.unstable))
       PetscCall(s->find(of, &start, c));
-    if (!MpmStepDrifts(&of->step)) PetscCall(WhenMoving(of, c));
+    if (!MpmStepDrifts(&of->step)) PetscCall(MpmCriticalMoving(of, of->step.courant, c->moving, &c->evaluations));
   }
   if (of->layout->dim > 1 && !c->assembled && isfinite(c->unstable_at))
     PetscCall(Polarise(of, c->unstable_at * (1 + BEYOND_LIMIT), c->beta, &c->wave));

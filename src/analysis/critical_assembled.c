@@ -23,8 +23,9 @@
 #define RATIO 1.5        /* of Courant numbers, one over the other, at rest */
 #define DRIFT_WIDTH 0.02 /* largest step under drift where eigenvalues could not be followed */
 #define PRECISION 1e-7
-#define NEAR_LIMIT 1e-4   /* relative distance below the limit within which doubt does not matter */
-#define ALL_MANY 1000     /* unknowns beyond which the leftmost eigenvalue alone is sought where it decides: in a tenth of the time */
+#define NEAR_LIMIT 1e-4 /* relative distance below the limit within which doubt does not matter */
+#define ALL_MANY                                                                                                       \
+  1000 /* unknowns beyond which the leftmost eigenvalue alone is sought where it decides: in a tenth of the time */
 #define SPARSE_MANY 5e7   /* numbers of a sparse matrix: some 4 GiB for the few that are held at once */
 #define MODE_ORDER 40000  /* largest order of which a mode is found by products */
 #define APART 16          /* times so far beyond the limit growth is looked at next */

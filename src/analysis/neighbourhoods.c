@@ -156,7 +156,7 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
                                               .voids   = disordered ? 0 : request->voids,
                                               .scatter = disordered || worst ? PETSC_TRUE : PETSC_FALSE,
                                               .moves   = worst ? moves[of->layout->dim - 1] / (request->table ? SHORT : 1) : 0,
-                                              .write   = request->write_layout,
+                                              .write   = worst ? request->write_layout : NULL,
                                               .limits  = limits};
 
   PetscFunctionBegin;
@@ -371,6 +371,15 @@ PetscErrorCode MpmStepTableFind(const MpmScene *scene, const MpmRequest *request
       table->of           = i;
     }
   Advise(table);
+  table->moving = NAN;
+  if (isfinite(table->advised)) {
+    const MpmCriticalCase of          = MpmCriticalCaseOf(scene, request->tolerance);
+    PetscInt64            evaluations = 0;
+    PetscReal             growth[2];
+
+    PetscCall(MpmCriticalMoving(&of, table->advised, growth, &evaluations));
+    table->moving = fmax(growth[0], growth[1]);
+  }
   table->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -69,12 +69,14 @@ typedef struct {
    advised - the Courant number that is recommended: bound, or else the least limit of the rows. Where limits fall to 0 as a
              particle comes to a node the least above 0, but for the worst.
              Infinite: nothing limits it. NaN: none, since row never grows at every Courant number
+   moving  - growth per step at advised, if the lattice drifts by 1/MPM_CRITICAL_DRIFT of a cell per step, the larger of
+             MpmCriticalMoving; NaN: not known
    least, never - the row that advised is of, and that row; MPM_NONE: none
    falls   - the limit of some row falls to 0 so
 S*/
 typedef struct {
   MpmNeighbourhood row[MPM_TABLE_ROWS];
-  PetscReal        limit[MPM_TABLE_ROWS], bound, advised, seconds;
+  PetscReal        limit[MPM_TABLE_ROWS], bound, advised, moving, seconds;
   PetscBool        left_out[MPM_TABLE_ROWS], falls;
   PetscInt         of, least, never;
 } MpmStepTable;

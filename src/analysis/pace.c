@@ -25,6 +25,7 @@
 #define LIFE(basis) ((basis)->hat ? 1 : 4)
 #define FALLS 0.9
 #define FADES 1.05
+#define SAME_LEVEL 1e-9 /* levels: rounding, which differs between ranks, does not choose among steps */
 
 const char *const MpmPaceReasonNames[] = {"waves", "motion", "end"};
 
@@ -331,7 +332,7 @@ static PetscReal Choose(MpmPace *pace, const MpmMarch *march)
   PetscReal       k = PetscMin(waves, motion);
 
   pace->reason = waves <= motion ? MPM_PACE_WAVES : MPM_PACE_MOTION;
-  k            = first * exp2(floor(MPM_PACE_LEVELS * log2(k / first) * (1 + PETSC_MACHINE_EPSILON)) / MPM_PACE_LEVELS);
+  k            = first * exp2(floor(MPM_PACE_LEVELS * log2(k / first) + SAME_LEVEL) / MPM_PACE_LEVELS);
   if (left >= 2 * k) return k;
   pace->reason = MPM_PACE_END;
   return left > k ? left / 2 : left; /* two steps share what is left, so that the last one is not tiny */

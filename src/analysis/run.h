@@ -19,7 +19,7 @@
    the run; NaN when there was none to conserve, or when the state was lost. lost: one step enlarged the state beyond
    what rescaling can follow, and the run stopped there. growth_above: a lower bound of that step's growth. bytes: moved
    per particle and step, if known (march/passes.h). load: the largest number of particles that a rank had, over the mean. relaxed: the number of steps
-   whose increments had a factor below 1 (march/relax.h), and least_factor the least of these factors. transfer_first, transfer_last, transfer_most: the transfer diagnostics,
+   whose increments had a factor below 1 (march/adapt.h), and least_factor the least of these factors. transfer_first, transfer_last, transfer_most: the transfer diagnostics,
    in scenes that ask for weights, source term or ringing (transfer_diagnostics.h). tangents: of a run that was asked for
    its tangent, else NULL. iterations, newton, solve_s: of the systems of an implicit step, of all steps of this run. halved: the steps that were
    taken in parts, and parts the most that one of them had.

@@ -229,7 +229,7 @@ static PetscErrorCode Try(const MpmSearchDescent *d, const PetscReal by[], Petsc
 
     for (PetscInt v = 0; v < d->n; v++) next[v] = u[v] + by[v];
     PetscCall(d->f(d->context, next, &there));
-    if (!(there < *value - LEVEL * fabs(*value))) break;
+    if (!(there < (isfinite(*value) ? *value - LEVEL * fabs(*value) : *value))) break;
     PetscCall(PetscArraycpy(u, next, d->n));
     *value = there;
     *down  = PETSC_TRUE;

@@ -16,7 +16,7 @@ void MpmLaunchAlone(void);
    Otherwise the next file that the program opens would get this number, and the report would be written to it.
 
    Not collective; call it first. /dev/null is opened for reading only, so a report that cannot be written is noticed at
-   the end (MpmErrorsReportLost).
+   the end (MpmFinalize).
 */
 void MpmLaunchStandardFiles(void);
 

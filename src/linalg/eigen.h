@@ -31,7 +31,7 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol);
    converged, it sought the largest abs of all eigenvalues, and no result was rejected. leftmost: the same of the least
    real part. failed: the solver gave up,
    since a factorization broke down or A is not finite. nilpotent: all eigenvalues are 0, and one of them is listed, with the
-   unit vector of the unknown unit (nilpotent.h). small: of a solve by a smaller matrix (reduced), its eigenvalues;
+   unit vector of the unknown unit (MpmNilpotentFind, linalg/eigen_parts.h). small: of a solve by a smaller matrix (reduced), its eigenvalues;
    else NULL. vector: gives the vector of listed pair j of such a solve, before it is scaled.
 S*/
 typedef struct MpmEigen MpmEigen;

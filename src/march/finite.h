@@ -104,7 +104,7 @@ PetscErrorCode MpmFiniteEnergy(const MpmMarch *march, PetscReal psi[], PetscReal
 
    Collective. state is the root of the mean square, over particles, of what is left of x / h, v / c and F / F0 when the
    uniform motion that the scene starts from is taken out, and then the mean of x and v. grid is that of the nodal
-   velocity and its increment, without the mean. energy is kinetic energy, strain energy and that in the gravity, over
+   velocity and its increment, without the mean. energy is kinetic energy, strain energy and that in the gravity and in colliders that push, over
    the density at rest.
 */
 PetscErrorCode MpmFiniteNorms(const MpmMarch *march, MpmNorms *norms);

@@ -231,7 +231,7 @@ static PetscErrorCode CreateHaloOf(MPI_Comm comm, PetscInt size, PetscInt n, con
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode DestroyHalo(MpmHalo **halo)
+static PetscErrorCode DestroyHalo(MpmHalo **halo)
 {
   MpmHalo *h = *halo;
 

@@ -20,13 +20,6 @@ typedef struct {
   MpmOp    term[MOST_TERMS];
 } Delayed;
 
-static PetscBool IsGather(const MpmOp *op)
-{
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-
-  return traits.src == MPM_ON_NODES && traits.dst == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
-}
-
 static PetscBool IsSum(const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -144,8 +137,8 @@ static PetscErrorCode DelayOne(OpList *l, PetscInt o)
 
   PetscFunctionBegin;
   while (to < l->n && !Touches(&l->op[to], op.dst)) to++;
-  if (to == l->n || to == o + 1 || !IsGather(&l->op[to])) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt at = o + 1; at < to && IsGather(&op); at++)
+  if (to == l->n || to == o + 1 || !MpmOpIsGather(&l->op[to])) PetscFunctionReturn(PETSC_SUCCESS);
+  for (PetscInt at = o + 1; at < to && MpmOpIsGather(&op); at++)
     if (!Pass(l, at, &d)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt i = 0; i < d.n; i++) PetscCall(Insert(l, to, d.term[i]));
   Remove(l, o);
@@ -167,7 +160,7 @@ static PetscInt Before(const OpList *l, PetscInt o)
     const MpmOp *op = &l->op[at];
 
     if (IsSame(op, &l->op[o])) return at;
-    if (Touches(op, l->op[o].dst) && !IsGather(op)) return MPM_NONE;
+    if (Touches(op, l->op[o].dst) && !MpmOpIsGather(op)) return MPM_NONE;
     if (MpmOpTraitsOf(op->kind).dst == MPM_ON_NODES && op->dst == l->op[o].src) return MPM_NONE;
   }
   return MPM_NONE;
@@ -184,10 +177,10 @@ static PetscErrorCode Delay(const MpmTable *t, OpList *l)
   for (PetscInt o = l->n - 1; o >= 0; o--) { /* what is moved goes to the right, where all has been moved */
     const PetscBool scales = l->op[o].kind == MPM_SCALE && l->op[o].dst < t->nstate ? PETSC_TRUE : PETSC_FALSE;
 
-    if (scales || (IsGather(&l->op[o]) && l->op[o].dst < t->nstate)) PetscCall(DelayOne(l, o));
+    if (scales || (MpmOpIsGather(&l->op[o]) && l->op[o].dst < t->nstate)) PetscCall(DelayOne(l, o));
   }
   for (PetscInt o = l->n - 1; o >= 0; o--) {
-    const PetscInt before = IsGather(&l->op[o]) ? Before(l, o) : MPM_NONE;
+    const PetscInt before = MpmOpIsGather(&l->op[o]) ? Before(l, o) : MPM_NONE;
 
     if (before == MPM_NONE) continue;
     l->op[before].factor += l->op[o].factor;

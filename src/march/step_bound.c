@@ -404,7 +404,7 @@ static PetscErrorCode FindByParticle(Pass *s, MpmStepBounds *b)
     PetscCall(Sum(s));
     most = 0;
     while (MpmStencilsNext(&s->at)) {
-      Values(s, PETSC_FALSE, b->sweeps ? 0 : most * (1 - 2 * SAME));
+      Values(s, PETSC_FALSE, b->sweeps || b->particle_at.value ? 0 : most * (1 - 2 * SAME));
       for (PetscInt q = 0; q < s->at.n; q++) most = fmax(most, s->value[s->at.begin + q]);
     }
     PetscCall(Decide(s, &most, sweep ? &at : &b->particle_at));

@@ -140,11 +140,11 @@ static PetscErrorCode Span(PetscInt n, const MpmProbed of[], PetscReal noise, BV
 {
   PetscInt  order, size = 0, first, last;
   PetscReal all, norm   = 1;
-  Vec       x, y, v;
+  Vec       x, v;
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(of[0].A, &order, NULL));
-  PetscCall(MatCreateVecs(of[0].A, &x, &y));
+  PetscCall(MatCreateVecs(of[0].A, &x, NULL));
   PetscCall(VecGetOwnershipRange(x, &first, &last));
   while (size < order && norm > 0) {
     PetscCall(BVGetColumn(basis, size, &v));
@@ -164,7 +164,6 @@ static PetscErrorCode Span(PetscInt n, const MpmProbed of[], PetscReal noise, BV
   }
   PetscCall(BVSetActiveColumns(basis, 0, size));
   PetscCall(VecDestroy(&x));
-  PetscCall(VecDestroy(&y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -219,7 +219,7 @@ static PetscErrorCode Norm2(Mat E, PetscReal *norm)
   PetscCall(VecAssemblyBegin(x));
   PetscCall(VecAssemblyEnd(x));
   *norm = 1;
-  for (int step = 0; step<NORM_STEPS && * norm> 0; step++) {
+  for (int step = 0; step < NORM_STEPS && (*norm) > 0; step++) {
     PetscCall(VecNormalize(x, NULL));
     PetscCall(MatMult(E, x, y));
     PetscCall(VecNorm(y, NORM_2, norm));

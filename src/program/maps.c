@@ -501,6 +501,7 @@ PetscErrorCode MpmMapsDestroy(MpmMaps *maps)
 {
   PetscFunctionBegin;
   for (PetscInt m = 0; m < EVERY_MAP; m++) PetscCall(MatDestroy(&(&maps->map[0][0][0])[m]));
+  for (size_t m = 0; m < sizeof maps->moment / sizeof(Mat); m++) PetscCall(MatDestroy(&(&maps->moment[0][0][0])[m]));
   PetscCall(VecDestroy(&maps->masses));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

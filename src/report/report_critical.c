@@ -246,12 +246,12 @@ static void PrintAsked(const MpmScene *s, PetscReal tolerance, const MpmCritical
     MpmPrint("is not known");
   else
     MpmPrint("%.9g per step", c->asked.growth);
-  if (isfinite(c->asked.growth) && !isnan(c->moving)) {
+  if (isfinite(c->asked.growth) && !isnan(c->moving[0])) {
     MpmPrint("; if particles drift by 1/%d cell per step%s: ", MPM_CRITICAL_DRIFT, s->layout.dim > 1 ? " along x" : "");
-    PrintMoving(c, c->moving, tolerance);
+    PrintMoving(c, c->moving[0], tolerance);
     if (s->layout.dim > 1) {
       MpmPrint(", along the diagonal: ");
-      PrintMoving(c, c->moving_diagonal, tolerance);
+      PrintMoving(c, c->moving[1], tolerance);
     }
   }
   MpmPrint("\n");
@@ -321,7 +321,7 @@ static void Bounds(json_t *result, const MpmScene *s, const MpmCritical *c)
   }
   bounds = MpmResultIn(result, "bounds");
   MpmPrint("  of this layout, with these particles at rest%s:\n",
-           c->too_large ? ", its limit is above" : ", the bracket of the limit");
+           c->too_large ? ", its limit is above" : ", bounds from below, and the limit");
   Bound(bounds, s, "lone", b->lone, "proved: as if each were alone", &b->lone_at);
   Bound(bounds, s, "particle", b->particle, "proved: masses split by slopes", &b->particle_at);
   (void)snprintf(text, sizeof text, "proved: the same after %" PetscInt_FMT " sweeps", b->sweeps);
@@ -341,7 +341,7 @@ static void Bulk(json_t *result, PetscInt dim, const MpmCritical *c)
   if (dim > 1 && c->wave != MPM_WAVE_NONE) MpmResultKeep(result, "%s{limited_by_wave}", MpmWaveTypeNames[c->wave]);
   if (dim > 1 && c->phases) MpmResultKeep(result, "%" PetscInt_FMT "{phases}", c->phases);
   MpmResultKeep(result, "%g{stable_at} %g{unstable_at} %g{fading}", c->stable_at, c->unstable_at, c->fading);
-  MpmResultKeep(result, "%g{growth_when_drifting} %g{growth_when_drifting_diagonally}", c->moving, c->moving_diagonal);
+  MpmResultKeep(result, "%g{growth_when_drifting} %g{growth_when_drifting_diagonally}", c->moving[0], c->moving[1]);
   MpmResultKeep(result, "%d{threshold?} %" PetscInt64_FMT "{evaluations} %g{seconds}", c->threshold, c->evaluations,
                 c->seconds);
 }

@@ -342,12 +342,13 @@ static void AdviceText(const MpmStepTable *t, size_t room, char text[])
   if (t->never != MPM_NONE)
     (void)snprintf(text, room, "%s: there is growth at every Courant number", row_names[t->never]);
   else if (t->bound > 0)
-    (void)snprintf(text, room, "the bound, which holds for every layout of such particles");
+    (void)snprintf(text, room, "at rest: the bound, proved for every layout of such particles");
   else if (t->least == MPM_NONE)
     (void)snprintf(text, room, "none of these layouts limits it");
   else
-    (void)snprintf(text, room, "%s, the least%s that is known; other layouts may have less: -layout FILE",
-                   row_names[t->least], t->falls ? " away from nodes" : "");
+    (void)snprintf(text, room,
+                   "of %s%s; no step is proved for all layouts at rest, and yours may have less: -layout FILE",
+                   row_names[t->least], t->falls ? ", away from nodes" : "");
 }
 
 void MpmStepTableReport(json_t *result, const MpmScene *s, const MpmRequest *request, const char lattice[],
@@ -369,9 +370,18 @@ void MpmStepTableReport(json_t *result, const MpmScene *s, const MpmRequest *req
   RowPrint(row, s, "bound", "how", t->bound > 0 ? t->bound : NAN, "-",
            t->bound > 0 ? "proved: no layout of such particles grows up to it" : "none is known of all layouts");
   AdviceText(t, sizeof text, text);
-  RowPrint(MpmResultIn(result, "recommended"), s, "recommended", "reason", t->advised, "none", text);
-  if (t->falls)
+  row = MpmResultIn(result, "recommended");
+  RowPrint(row, s, t->bound > 0 || !isfinite(t->advised) ? "recommended" : "least found", "reason", t->advised, "none",
+           text);
+  if (!isnan(t->moving))
+    MpmResultKeep(row, "%g{growth_when_drifting} %d{proved?}", t->moving, t->bound > 0 && t->never == MPM_NONE);
+  if (t->moving > 1 + request->tolerance)
     MpmPrint(
-        "0: a particle that comes to a node with nothing around it gives it force, and next to no mass (chi = 0 on "
-        "hats). Codes leave out nodes of little mass, or take splines, or musl\n");
+        "  %-11s at this step the lattice grows by a factor of %.6g per step if it moves by 1/%d cell per step: it "
+        "rings (docs/ringing.md)\n",
+        "moving", t->moving, MPM_CRITICAL_DRIFT);
+  if (t->falls)
+    MpmPrint("limit 0: a particle without neighbours that comes close to a node gives it a force but almost no mass "
+             "(chi = 0 "
+             "on hats). Codes leave out nodes of little mass, use splines, or use musl\n");
 }

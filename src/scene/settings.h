@@ -295,9 +295,9 @@ PetscBool MpmSettingsIsOfMap(const char name[]);
 */
 typedef PetscErrorCode MpmSceneReader(const MpmSettings *settings, MpmScene *scene);
 MpmSceneReader         MpmSettingsReadGiven, MpmSettingsReadWaveSpeed, MpmSettingsReadKinematics, MpmSettingsReadLaw,
-    MpmSettingsReadGrid, MpmSettingsReadColliders, MpmSettingsReadBodies, MpmSettingsReadShape, MpmSettingsPlaceGiven, MpmSettingsReadPace,
-    MpmSettingsCheckFinite, MpmSettingsReadSolution, MpmSettingsReadPrestress, MpmSettingsReadDamping,
-    MpmSettingsReadInitial;
+    MpmSettingsReadGrid, MpmSettingsReadColliders, MpmSettingsReadBodies, MpmSettingsReadShape, MpmSettingsPlaceGiven,
+    MpmSettingsReadPace, MpmSettingsCheckFinite, MpmSettingsReadSolution, MpmSettingsReadPrestress,
+    MpmSettingsReadDamping, MpmSettingsReadInitial;
 
 /*
    Collective. Refuses an option that the scene's formulation cannot do. The message says what the formulation has none

@@ -435,9 +435,11 @@ static PetscErrorCode ReadPpc(Reader *r, const yaml_node_t *block, Body *body)
   for (PetscInt a = 0; a < l->dim; a++) {
     body->ppc[a] = (PetscInt)value;
     body->ratio[MPM_VOLUME] *= (PetscReal)l->ppc[a] / body->ppc[a];
+    REFUSE_IF(r->scene->scheme.basis->wide && body->ppc[a] != l->ppc[a], r, "ppc",
+              "with basis gimp all particles have the width 1 / ppc of the scene; allowed: the scene's ppc");
+    REFUSE_IF(l->grid[a].cells * (PetscReal)body->ppc[a] > PETSC_MAX_INT / 2, r, "ppc",
+              "too many particles along a direction; allowed: fewer cells or ppc");
   }
-  REFUSE_IF(r->scene->scheme.basis->wide && body->ratio[MPM_VOLUME] != 1, r, "ppc",
-            "with basis gimp all particles have the width 1 / ppc of the scene; allowed: the scene's ppc");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -491,11 +493,11 @@ static PetscErrorCode ReadBody(void *reader, const yaml_node_t *block)
 }
 
 /* The lattice sites between which a body is, in each direction; their number is added to room. */
-static PetscErrorCode FindSites(Reader *r, Body *body, PetscInt64 *room)
+static PetscErrorCode FindSites(Reader *r, Body *body, PetscReal *room)
 {
   const MpmLayout *l = &r->scene->layout;
   PetscReal        lo[MPM_MAX_DIM], hi[MPM_MAX_DIM];
-  PetscInt64       sites = body->file ? body->file->particles : 1;
+  PetscReal        sites = body->file ? body->file->particles : 1;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < l->dim; a++) {
@@ -568,20 +570,24 @@ static PetscErrorCode Take(Reader *r, PetscInt bodies, const PetscReal x[], Pets
 }
 
 /* Gives the particle that was taken its properties, in units of one of the scene's material that fills 1 / ppc of a cell. */
-static void Weigh(const Reader *r, PetscInt64 at, const PetscReal unit[])
+static PetscErrorCode Weigh(const Reader *r, PetscInt64 at, const PetscReal unit[])
 {
   const Body *of         = &r->bodies[r->n];
   MpmGiven   *to         = r->scene->layout.given;
   PetscReal   of_file[3] = {of->ratio[MPM_VOLUME], NAN, of->ratio[MPM_STIFFNESS]};
 
+  PetscFunctionBegin;
   if (of->file && of->file->has[0]) of_file[0] = of->file->column[MPM_GIVEN_VOLUME][at] / unit[MPM_VOLUME];
   of_file[1] = of->ratio[MPM_MASS] * of_file[0];
   if (of->file && of->file->has[1]) of_file[1] = of->file->column[MPM_GIVEN_MASS][at] / unit[MPM_MASS];
   if (of->file && of->file->has[2]) of_file[2] = of->file->column[MPM_GIVEN_YOUNG][at] / unit[MPM_STIFFNESS];
+  REFUSE_IF(!isnormal(of_file[0]) || !isnormal(of_file[1]) || !isnormal(of_file[2]), r, "path",
+            "a volume, mass or modulus is out of range beside the scene's; allowed: numbers of the scene's units");
   to->property[MPM_VOLUME][to->particles]    = of_file[0];
   to->property[MPM_MASS][to->particles]      = of_file[1];
   to->property[MPM_STIFFNESS][to->particles] = of_file[2];
   to->particles++;
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Place(Reader *r, PetscInt bodies, const PetscReal unit[])
@@ -601,7 +607,7 @@ static PetscErrorCode Place(Reader *r, PetscInt bodies, const PetscReal unit[])
                 "a particle is outside of the grid; allowed: within it");
     }
     PetscCall(Take(r, bodies, x, &taken));
-    Weigh(r, i, unit);
+    PetscCall(Weigh(r, i, unit));
   }
   for (at[2] = of->from[2]; at[2] < of->end[2] && !of->file; at[2]++)
     for (at[1] = of->from[1]; at[1] < of->end[1]; at[1]++)
@@ -609,7 +615,7 @@ static PetscErrorCode Place(Reader *r, PetscInt bodies, const PetscReal unit[])
         for (PetscInt a = 0; a < l->dim; a++) x[a] = (at[a] + 0.5) / of->ppc[a];
         if (!IsInside(&of->place, l->dim, x)) continue;
         PetscCall(Take(r, bodies, x, &taken));
-        if (taken) Weigh(r, 0, unit);
+        if (taken) PetscCall(Weigh(r, 0, unit));
       }
   REFUSE_IF(l->given->particles == before, r, "place",
             "no particle is inside; allowed: a larger body, or more cells or ppc");
@@ -634,15 +640,14 @@ static PetscErrorCode PlaceAll(Reader *r)
 {
   MpmLayout     *l    = &r->scene->layout;
   const PetscInt n    = r->n;
-  PetscInt64     room = 0;
+  PetscReal      room = 0;
   PetscReal      unit[MPM_PROPERTIES];
 
   PetscFunctionBegin;
   MpmMaterialUnits(r->scene, unit);
   for (r->n = 0; r->n < n; r->n++) PetscCall(FindSites(r, &r->bodies[r->n], &room));
   PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, l,
-                                 (PetscReal)room * (PetscReal)sizeof(PetscReal) * (2 * l->dim + 3) *
-                                     MpmRanksOf(PETSC_COMM_WORLD),
+                                 room * (PetscReal)sizeof(PetscReal) * (2 * l->dim + 3) * MpmRanksOf(PETSC_COMM_WORLD),
                                  "a copy of the particles on each rank"));
   MpmSettingsRefuseIf(room > PETSC_MAX_INT / 2, r->settings, r->option,
                       "too many particles; allowed: fewer cells or ppc");
@@ -651,11 +656,11 @@ static PetscErrorCode PlaceAll(Reader *r)
   PetscCall(PetscStrncpy(l->given->path, r->option, sizeof l->given->path));
   l->given->of_bodies = n;
   for (PetscInt a = 0; a < l->dim; a++) {
-    PetscCall(PetscMalloc1(room, &l->given->column[a]));
-    PetscCall(PetscMalloc1(room, &l->given->velocity[a]));
+    PetscCall(PetscMalloc1((size_t)room, &l->given->column[a]));
+    PetscCall(PetscMalloc1((size_t)room, &l->given->velocity[a]));
   }
   for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++)
-    if (w != MPM_MOBILITY) PetscCall(PetscMalloc1(room, &l->given->property[w]));
+    if (w != MPM_MOBILITY) PetscCall(PetscMalloc1((size_t)room, &l->given->property[w]));
   for (r->n = 0; r->n < n; r->n++) PetscCall(Place(r, n, unit));
   PetscCall(KeepDifferent(l));
   PetscFunctionReturn(PETSC_SUCCESS);

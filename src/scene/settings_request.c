@@ -437,11 +437,11 @@ MPM_WHEN(WithoutBulk, !SEES(IN_BULK))
 MPM_WHEN(WithoutRandom, !SEES(AT_RANDOM))
 MPM_WHEN(WithoutLayouts, !Is(r, "ensemble") && !SEES(AT_RANDOM) && !SEES(DISORDERED) && !SEES(AT_WORST))
 MPM_WHEN(WithoutWorst, !SEES(AT_WORST) && !s->layout.given)
-/* the slides define their weights for hat functions, at nodes with a cell on either side */
 MPM_WHEN(StartsFromNoMode, Is(r, "run") && s->initial != MPM_INITIAL_EIGENMODE && r->mode_file[0])
 MPM_WHEN(HasNoOutput, Is(r, "run") && !r->output[0])
 MPM_WHEN(HasNoCheckpoint, Is(r, "run") && !r->checkpoint[0])
 MPM_WHEN(WritesTooMany, r->output[0] && s->layout.particles > PETSC_MAX_INT / 3)
+/* the slides define their weights for hat functions, at nodes with a cell on either side */
 MPM_WHEN(HasNoWeights, Is(r, "run") && r->weights && !(s->scheme.basis->hat && MpmSceneIsPeriodic(s)))
 
 /* Rules that follow from options alone, and those of axes, Mach numbers and neighbourhoods, which are read before. */

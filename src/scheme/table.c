@@ -35,10 +35,8 @@ PetscErrorCode MpmBuilderSharpen(MpmTableBuilder *b, PetscInt node, PetscInt *sh
 
 PetscErrorCode MpmBuilderAppend(MpmTableBuilder *b, MpmOp op)
 {
-  const MpmOpTraits traits = MpmOpTraitsOf(op.kind);
-
   PetscFunctionBegin;
-  if (traits.src == MPM_ON_NODES && traits.dst == MPM_ON_PARTICLES) PetscCall(MpmBuilderSharpen(b, op.src, &op.src));
+  if (MpmOpIsGather(&op)) PetscCall(MpmBuilderSharpen(b, op.src, &op.src));
   PetscCall(MpmTableAppend(b->table, op));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

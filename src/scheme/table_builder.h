@@ -86,7 +86,7 @@ PetscErrorCode MpmBuilderImposeWithReaction(MpmTableBuilder *b, PetscInt node, P
 PetscErrorCode MpmBuilderReact(MpmTableBuilder *b, PetscInt dst, PetscInt imposed);
 
 /*
-   Not collective. What colliders do (table_walls.c) at line number o of the formulation, an IMPOSE, and CollideAgain at one
+   Not collective. What colliders do (table_walls.c) at line number o of the formulation, an IMPOSE, and MpmBuilderCollideAgain at one
    that is a REACT; nothing without colliders. MpmBuilderGiveLost: after it, and after the walls, particles get what the
    velocity has lost.
 */

@@ -141,20 +141,13 @@ void MpmBlochSetPhase(MpmBloch *b, const PetscReal beta[])
 
 typedef double complex Small[MPM_MAX_DIM][MPM_MAX_DIM];
 
-static PetscBool IsGather(const MpmOp *op)
-{
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-
-  return traits.src == MPM_ON_NODES && traits.dst == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /* The lines of a table of K are gathers to scratch, and then sums of scratch. */
 static void Stiffness(const MpmBloch *b, const MpmTable *k, Small K)
 {
   for (PetscInt c = 0; c < k->dim; c++)
     for (PetscInt a = 0; a < k->dim; a++) K[c][a] = 0;
   for (const MpmOp *grad = k->ops; grad < k->ops + k->nops; grad++)
-    for (const MpmOp *div = grad + 1; div < k->ops + k->nops && IsGather(grad); div++) {
+    for (const MpmOp *div = grad + 1; div < k->ops + k->nops && MpmOpIsGather(grad); div++) {
       const MpmOpTraits traits = MpmOpTraitsOf(div->kind);
 
       if (traits.src != MPM_ON_PARTICLES || traits.dst != MPM_ON_NODES || div->src != grad->dst) continue;

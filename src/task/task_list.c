@@ -412,7 +412,9 @@ static PetscErrorCode ListColliders(void)
   }
   for (PetscInt i = 0; MpmContacts[i]; i++)
     MpmPrint("  contact: %-10s %s%s\n", MpmContacts[i]->name, MpmContacts[i]->summary,
-             MpmContacts[i]->rubs ? "; key friction" : "");
+             MpmContacts[i]->rubs     ? "; key friction"
+             : MpmContacts[i]->pushes ? "; key stiffness"
+                                      : "");
   MpmPrint(
       "  all: key velocity, with kinematics finite. Bodies of particles (bodies) have the shapes, too, and file\n");
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -488,7 +490,7 @@ static PetscErrorCode ListCodes(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What is answered, in five lines. README has the same. */
+/* What is answered. README has the same. */
 static PetscErrorCode ListScope(void)
 {
   PetscFunctionBegin;
@@ -501,8 +503,9 @@ static PetscErrorCode ListScope(void)
            "growth in a "
            "run is measured and not proved\n",
            "by marching");
-  MpmPrint("  %-14s damping of the grid and viscosity, in steps, limits and runs; local damping in runs\n", "");
-  MpmPrint("  %-14s bodies that push by a penalty\n", "not yet");
+  MpmPrint("  %-14s damping of the grid and viscosity, in steps, limits and runs; colliders of contact penalty and "
+           "local damping in runs\n",
+           "");
   MpmPrint("  %-14s contact of several velocity fields, fracture, heat, graphics processors\n", "not at all");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

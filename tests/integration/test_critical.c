@@ -173,7 +173,7 @@ static PetscErrorCode CheckDrift(void)
         half.courant / c.courant);
   PetscCall(FindLimit("-formulation musl -basis quadratic -courant 0.2", PETSC_FALSE,
                       &half)); /* at rest; moving: with drift */
-  CHECK(half.threshold && fabs(half.moving - c.asked.growth) < 1e-9, "musl: %.9g when moving, %.9g", half.moving,
+  CHECK(half.threshold && fabs(half.moving[0] - c.asked.growth) < 1e-9, "musl: %.9g when moving, %.9g", half.moving[0],
         c.asked.growth);
   PetscCall(FindLimit("-drift 1/2 -courant 0.1", PETSC_FALSE, &c)); /* each particle alternates between two places */
   CHECK(c.courant > 1 && c.threshold, "gas2 at 1/2: %g", c.courant);

@@ -280,7 +280,7 @@ def check_critical(mpmstab):
         result = json.load(file)
     limit = 1 / math.sqrt(1.75)  # q = 3/16
     keys = {"critical_courant", "limited_by_beta", "evaluations", "seconds", "stable_at", "unstable_at", "closed_form",
-            "threshold", "growth_when_drifting"}
+            "threshold", "growth_when_drifting", "layouts", "recommended"}
     check(result["task"] == "critical" and result["boundary"] == "periodic" and result["verdict"] == "stable", "usl")
     check(set(result["critical"]) == keys, f"keys of critical {set(result['critical']) ^ keys}")
     for key in ("critical_courant", "closed_form", "stable_at", "unstable_at"):

@@ -9,7 +9,7 @@
    Coulomb's friction of coefficient mu takes from t what the impulse |y_n| along n allows: t' = t max(0, 1 - mu |y_n| / |t|).
    Without friction t' = t, so that sticky and slip are orthogonal projections.
 
-     penalty     P(y) = y: nodes do not feel the body, but particles inside it are pushed out
+     penalty     has no P: nodes do not feel the body, and particles inside it are pushed out
 */
 #include "scheme/collider/shapes.h"
 

@@ -110,6 +110,13 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
   return traits[kind];
 }
 
+PetscBool MpmOpIsGather(const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  return traits.src == MPM_ON_NODES && traits.dst == MPM_ON_PARTICLES ? PETSC_TRUE : PETSC_FALSE;
+}
+
 MpmOpKind MpmKindAlongOfTwo(MpmOpKind kind, PetscInt axes, PetscInt direction)
 {
   if (direction == MpmAxesFirst(axes)) return MpmOpTraitsOf(kind).first;

@@ -49,10 +49,3 @@ PetscReal MpmMaterialModulus(const MpmMaterialNumbers *material, PetscInt dim, c
   LeftProduct(dim, F, B);
   return material->law->modulus(material, dim, LargestEigenvalue(dim, B), Trace(dim, B), Volume(dim, F));
 }
-
-PetscReal MpmMaterialSpeed(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
-{
-  const PetscReal modulus = MpmMaterialModulus(material, dim, F);
-
-  return modulus > 0 ? sqrt(modulus) : 0;
-}
