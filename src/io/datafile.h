@@ -3,10 +3,11 @@
 #include "base/hdf5.h"
 #include "scene/request.h"
 
-typedef struct {
+typedef struct MpmDataFile MpmDataFile;
+struct MpmDataFile {
   MpmHdf5 hdf5;
   char    path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN];
-} MpmDataFile;
+};
 
 /*
    Collective. Opens the output file that a request names, under a temporary name, and writes scene and request as

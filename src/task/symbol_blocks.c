@@ -1,4 +1,5 @@
 /* The task symbol for blocks from a file, or of a code that is probed: growth at equally spaced phases, and between them where it is largest. */
+#include "io/datafile.h"
 #include "io/matrix_file.h"
 #include "task/task.h"
 #include "analysis/waves.h"

@@ -3,9 +3,10 @@
 #include "analysis/neighbourhoods.h"
 #include "analysis/run.h"
 #include "analysis/spectrum.h"
-#include "io/datafile.h"
 #include "symbol/predict.h"
 #include <jansson.h>
+
+typedef struct MpmDataFile MpmDataFile; /* io/datafile.h */
 
 /*
    Does the work of a task on its scene (NULL: a matrix takes its place) and request. missed: the number of expectations

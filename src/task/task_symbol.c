@@ -3,6 +3,7 @@
 */
 #include "analysis/damping.h"
 #include "base/textfile.h"
+#include "io/datafile.h"
 #include "io/matrix_file.h"
 #include "report/report.h"
 #include "report/results.h"
