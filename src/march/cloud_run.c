@@ -303,12 +303,7 @@ static void RunCloud(const MpmMarchArrays *a, PetscInt begin, PetscInt n, Work *
       RunCrosses(a, part, begin, step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE, placed, w);
     }
     if (w->plan->composed && (step->kind == MPM_ROW_SCALE || step->kind == MPM_ROW_ADD)) continue;
-    if (step->kind == MPM_ROW_SCALE)
-      MpmScale(n, step->a, MpmRowsField(a, step->particle, begin));
-    else if (step->kind == MPM_ROW_ADD)
-      MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
-    else if (step->kind == MPM_ROW_FINITE)
-      MpmRowsFinite(a, step, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
+    MpmRowsOnParticles(a, step, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
     if (step->kind == MPM_ROW_DRIFT || (step->kind == MPM_ROW_FINITE && step->finite == MPM_ADVANCE)) {
       placed = &w->placed[1];
       Place(a, begin, n, 1, placed);

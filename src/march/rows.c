@@ -516,7 +516,7 @@ static void PrefetchPlace(const MpmMarchArrays *a, PetscInt begin)
   }
 }
 
-void MpmRowsFinite(const MpmMarchArrays *a, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after)
+static void Finite(const MpmMarchArrays *a, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after)
 {
   const MpmTable      *table = a->march->scheme->table;
   const MpmFiniteWidth width = MpmFiniteWidthOf(step->finite, table->dim, MpmTableStretches(table));
@@ -527,6 +527,16 @@ void MpmRowsFinite(const MpmMarchArrays *a, const MpmRowStep *step, PetscInt beg
   for (PetscInt c = 0; c < width.stretch; c++) block.stretch[c] = MpmRowsField(a, table->stretch + c, begin);
   MpmFinitePlace(a, &block);
   MpmFiniteRun(a->march, step->finite, &block);
+}
+
+void MpmRowsOnParticles(const MpmMarchArrays *a, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after)
+{
+  if (step->kind == MPM_ROW_SCALE)
+    MpmScale(n, step->a, MpmRowsField(a, step->particle, begin));
+  else if (step->kind == MPM_ROW_ADD)
+    MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
+  else if (step->kind == MPM_ROW_FINITE)
+    Finite(a, step, begin, n, after);
 }
 
 static void RunRow(const MpmMarchArrays *a, const MpmRow *row, Work *w)
@@ -541,12 +551,8 @@ static void RunRow(const MpmMarchArrays *a, const MpmRow *row, Work *w)
       RunGather(a, step, placed, w);
     else if (step->kind == MPM_ROW_SPREAD)
       RunSpread(a, step, placed, w);
-    else if (step->kind == MPM_ROW_SCALE)
-      MpmScale(n, step->a, MpmRowsField(a, step->particle, begin));
-    else if (step->kind == MPM_ROW_ADD)
-      MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
-    else if (step->kind == MPM_ROW_FINITE)
-      MpmRowsFinite(a, step, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
+    else
+      MpmRowsOnParticles(a, step, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
     if (step->kind == MPM_ROW_DRIFT || (step->kind == MPM_ROW_FINITE && step->finite == MPM_ADVANCE)) {
       Place(a, row, 1, w);
       placed = &w->placed[1];

@@ -84,5 +84,9 @@ static inline PetscReal *MpmRowsField(const MpmMarchArrays *arrays, PetscInt fie
   return field < held ? arrays->particle[field] + begin : arrays->march->scratch + (field - held) * MPM_BLOCK;
 }
 
-/* Not collective. Runs a step of finite deformation on n particles from begin on. after: they have been advanced. */
-void MpmRowsFinite(const MpmMarchArrays *arrays, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after);
+/*
+   Not collective. Runs a step of particles alone, which scales, adds or is of finite deformation, on n particles from begin
+   on. after: they have been advanced. Steps with nodes are left to the engine.
+*/
+void MpmRowsOnParticles(const MpmMarchArrays *arrays, const MpmRowStep *step, PetscInt begin, PetscInt n,
+                        PetscBool after);
