@@ -319,7 +319,7 @@ const MpmField MpmOptions[] = {
    .tasks = "run", ASKED(AS_SWITCH, weights)},
   {"source_term", MPM_SWITCH, "false", "measure the slides' source term, sum_p (S^{t+1}_ip - S^t_ip) q_p, at each sampled step",
    .tasks = "run", ASKED(AS_SWITCH, source_term)},
-  {"ringing", MPM_SWITCH, "false", "measure the ringing content, the part of particle data that P2G does not see, at each sampled step",
+  {"ringing", MPM_SWITCH, "false", "measure the ringing content, the part of particle data in the null space of P2G, at each sampled step",
    .tasks = "run", ASKED(AS_SWITCH, ringing)},
   {"tolerance", MPM_REAL, "1e-6", "exponential growth per step above 1 + tolerance is unstable",
    ABOVE(0), ASKED(AS_REAL, tolerance), IN(22, 0, 0, 0), OF_MATRIX},
