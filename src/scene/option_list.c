@@ -215,7 +215,7 @@ const MpmField MpmOptions[] = {
    ANY},
   {"shape", MPM_WORD, "box", "kinematics finite, dim 2 or 3: particles fill a box, two discs of radius L/5 at 1/5 and 4/5 of the domain, or a ring around its middle, of radii 3/4 and 5/4",
    WORDS(MpmShapeNames), .tasks = "run, spectrum", TEXT(ShapeOf), IN(87, 68, 62, 0), SHOWN(HasShape)},
-  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic; with kinematics finite also mises, snow or sand, which flow",
+  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic; with kinematics finite also mises, snow, sand or clay, which flow",
    .word = MaterialWord, TEXT(MaterialOf), IN(27, 18, 15, 9), SHOWN(HasMaterialName), .json = "material.kind"},
   {"stretch", MPM_REAL, "1", "F0, how far the material is stretched along x, y and z in the state that the scheme is linear about, or starts from with kinematics finite; it gives prestress and the wave speed there",
    ABOVE(0), EACH(AS_REAL, stretch, stretch[0]), IN(76, 58, 49, 42), SHOWN(HasStretch), .json = "material.stretch"},
