@@ -260,12 +260,11 @@ def type_keys(driver, width):
     keys = webdriver.ActionChains(driver)
     driver.execute_script("scrollTo(0, 0); document.activeElement.blur(); window.reached = new Set(); "
                           "document.addEventListener('focusin', e => window.reached.add(e.target))")
-    stops = driver.execute_script("return document.querySelectorAll('a[href], button, [tabindex]').length")
-    for _ in range(stops + 1):
+    stops = "[...document.querySelectorAll('a[href], button, summary, [tabindex]')].filter(e => e.checkVisibility())"
+    for _ in range(driver.execute_script(f"return {stops}.length") + 1):
         keys.send_keys(Keys.TAB)
     keys.perform()
-    missed = driver.execute_script("return [...document.querySelectorAll('a[href], button, [tabindex]')].filter(e => "
-                                   "!window.reached.has(e)).map(e => e.outerHTML.slice(0, 80))")
+    missed = driver.execute_script(f"return {stops}.filter(e => !window.reached.has(e)).map(e => e.outerHTML.slice(0, 80))")
     check(not missed, f"at {width}: not reached with keys: {missed[:5]}")
     driver.execute_script("document.querySelector('.enlarge').focus()")
     ring = driver.execute_script("return getComputedStyle(document.querySelector('.enlarge')).outlineStyle")
