@@ -68,7 +68,7 @@ def draw(args):
     if kind in ("modes", "transient", "frames", "damping") and len(paths) > 1:
         raise Refusal(f"{paths[1]}: one file too many; allowed: {kind} FILE")
     if kind == "frames":
-        frames(paths[0], args.output or "frames")
+        frames(paths[0], args.output or "frames", tell=lambda words: print(f"pictures.py: {words}", flush=True))
         return None
     if kind == "modes":
         return modes(paths[0], args.number, args.null_space)

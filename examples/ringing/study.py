@@ -3,7 +3,7 @@
 
 study.py [--quick]: the symbol of particles off the middle of their cells; growth per time as the time step shrinks, at
 rest and in slow flow, what places alone have in it, and a closed form of its limit for many particles; which waves
-grow; growth over drift and Courant number; the content that no node sees, and what transfers and bases do to it.
+grow; growth over drift and Courant number; the share in the null space of P2G, and what transfers and bases do to it.
 --quick: fewer cases.
 """
 import math
@@ -186,8 +186,8 @@ def maps():
 
 
 def content(quick):
-    """What no node sees, and the error, in a smooth wave."""
-    print("\na smooth wave (low-speed.yaml): share of u that no node sees, at times 0, 1 and 2, and the error at 2\n")
+    """The share in the null space of P2G, and the error, in a smooth wave."""
+    print("\na smooth wave (low-speed.yaml): share of u in the null space of P2G, at times 0, 1 and 2, and the error at 2\n")
     line = "{:<18} {:<10} {:<9}  {:>9}  {:>9} {:>9} {:>9}  {:>9}"
     print(line.format("", "basis", "transfer", "symbol", "time 0", "time 1", "time 2", "error"))
     scene = os.path.join(HERE, "low-speed.yaml")

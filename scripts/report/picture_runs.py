@@ -2,6 +2,7 @@
 import io
 import math
 import os
+import time
 
 import numpy
 from matplotlib import colors
@@ -18,6 +19,7 @@ from whole_files import fault_of_outputs, write_whole
 OUTPUT = "run -output -output_every n"
 MOST_ROWS = 300  # output steps in a space-time picture
 MOST_FRAMES = 500
+LONG = 10  # seconds
 LONG_GROWTH = 30  # if the largest size is beyond this many medians, each step of a picture has its own scale
 
 
@@ -260,8 +262,11 @@ def drawing_of(path, scene, steps):
     return lambda step, group: plane_frame(scene, step, group, panels, limits)
 
 
-def frames(path, folder, per_second=12):
-    """Writes a PNG for each output step and movie.gif to the folder. Returns their names."""
+def frames(path, folder, per_second=12, tell=None):
+    """Writes a PNG for each output step and movie.gif to the folder. Returns their names.
+
+    tell is called with a sentence once the first picture is drawn, where all will take longer than LONG seconds.
+    """
     with files.open_hdf5(path) as file:
         scene, steps = scenes.attributes(file), files.steps_of(file)
         if len(steps) > MOST_FRAMES:
@@ -272,7 +277,7 @@ def frames(path, folder, per_second=12):
         if fault:
             raise files.Refusal(fault)
         os.makedirs(folder, exist_ok=True)
-        movie = PillowWriter(fps=per_second)
+        movie, began = PillowWriter(fps=per_second), time.monotonic()
         for name, (step, group) in zip(names, steps):
             figure = draw(step, group)
             write_whole(name, style.encoded(figure, "png"))
@@ -280,6 +285,9 @@ def frames(path, folder, per_second=12):
                 movie.setup(figure, "movie.gif", dpi=100)
             movie.fig = figure
             movie.grab_frame()
+            left = (time.monotonic() - began) * len(steps)
+            if tell and name == names[0] and left > LONG:
+                tell(f"{len(steps)} pictures and a film: about {left:.0f} s; a larger -output_every or -output_interval makes fewer")
     write_whole(names[-1], film(movie))
     return names
 

@@ -176,7 +176,7 @@ def curve(beta, columns, footer, eigenvalues, measured):
             label = "symbol, largest" if name == "symbol" else name
             axes.plot(beta, columns[name], label=label, gid=name, **style.COLUMNS[name])
     if "growth_seen" in columns:
-        axes.plot(beta, columns["growth_seen"], label="symbol, of what nodes see", gid="growth_seen", color="#CC79A7",
+        axes.plot(beta, columns["growth_seen"], label="symbol, nodal values", gid="growth_seen", color="#CC79A7",
                   linestyle=(0, (4, 2)), linewidth=1.8)
     if eigenvalues:
         axes.plot(*eigenvalues, label="eigenvalues", zorder=4, gid="eigenvalues",

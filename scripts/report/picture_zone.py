@@ -81,7 +81,7 @@ def planes_of(axes, fastest):
 def panels_of(path, places, columns, fastest):
     """Returns what the panels show: title, the phases of two directions, growth over them, and the third phase.
 
-    In two dimensions there is one panel, and one of what nodes see where that grows otherwise. In three dimensions there are planes of the third phase.
+    In two dimensions there is one panel, and one of the nodal values where these grow otherwise. In three dimensions there are planes of the third phase.
     """
     axes, grid = on_grid(path, places, columns["symbol"])
     if len(axes) == 3:
@@ -90,7 +90,7 @@ def panels_of(path, places, columns, fastest):
     _, seen = on_grid(path, places, columns.get("growth_seen", columns["corrected"]))
     if not numpy.isfinite(seen).any() or numpy.nanmax(abs(seen - grid)) < SAME:
         return [("", axes, grid, None)]
-    return [("all that particles hold", axes, grid, None), ("what nodes see", axes, seen, None)]
+    return [("all that particles hold", axes, grid, None), ("nodal values", axes, seen, None)]
 
 
 def draw_plane(panel, axes, growth, look, tolerance):

@@ -305,7 +305,7 @@ static PetscErrorCode VisitPhases(Plane *p, PetscMPIInt rank, PetscMPIInt size)
   MpmProgress progress;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgressBegin("phase", &progress));
+  PetscCall(MpmProgressBegin("wave", &progress));
   for (PetscInt stride = COARSE; stride > 0; stride /= 2) {
     for (PetscInt m = MPM_CRITICAL_PHASES; m > 0; m -= stride) {
       if (stride < COARSE && m % (2 * stride) == 0) continue;

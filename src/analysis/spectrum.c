@@ -22,6 +22,8 @@
 #define MEASURE_FEWEST 100
 #define MEASURE_MOST 1e5 /* particle-steps of one rank; more ranks take longer for a step of few particles */
 #define MEASURE_EFOLDS 60
+#define LONG_ORDER 2000 /* all eigenvalues of this order take about LONG_S seconds */
+#define LONG_S 10.0
 
 /*
    Finds the distance of each listed eigenvalue from the nearest amplification factor of the symbol, and keeps the
@@ -131,8 +133,13 @@ static PetscErrorCode SolveBest(MpmSpectrum *s)
   if (s->request->nodal && s->scene && !bloch) PetscCall(MpmNodalMatrixOf(s->op, &s->nodal));
   if (s->nodal) PetscCall(MatGetSize(s->nodal->M, &n, NULL));
   method = assembled || s->scene ? MethodOf(s->scene, s->op->order, n, symbol, assembled) : MPM_EIGEN_LARGEST;
+  if (!n) n = s->op->order;
   PetscCall(PetscSNPrintf(note, sizeof note, "solving: %s eigenvalues of order %" PetscInt_FMT,
-                          method == MPM_EIGEN_DENSE ? "all" : "leading", n ? n : s->op->order));
+                          method == MPM_EIGEN_DENSE ? "all" : "leading", n));
+  if (method == MPM_EIGEN_DENSE && n > LONG_ORDER)
+    PetscCall(PetscSNPrintf(note, sizeof note,
+                            "all eigenvalues of order %" PetscInt_FMT ", about %.0f s (less by fewer cells)", n,
+                            LONG_S * PetscPowReal((PetscReal)n / LONG_ORDER, 3)));
   PetscCall(MpmProgressBegin("", &progress));
   PetscCall(MpmProgressNote(&progress, note));
   if (bloch)

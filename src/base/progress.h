@@ -1,4 +1,5 @@
-/* Progress: one line with the time left, on a terminal, for work that takes long. A log gets a line a minute. */
+/* Progress: one line with the time left, on a terminal, for work that takes long, and after 10 s the option that makes it
+   shorter. A log gets a line a minute. */
 #pragma once
 #include <mpmstab/compat.h>
 

@@ -220,7 +220,7 @@ static void PrintReason(PetscInt dim, const MpmRequest *request, const MpmCritic
              c->fading, request->tolerance);
   MpmReportWave(dim, c->assembled, c->wave, c->beta, sizeof wave, wave);
   MpmPrint("  limited by   %s", wave);
-  if (!isnan(c->null_share)) MpmPrint("; share that no node sees %.2g", c->null_share);
+  if (!isnan(c->null_share)) MpmPrint("; share in the null space of P2G %.2g", c->null_share);
   MpmPrint("\n");
   if (request->verbose && c->closed > 0 && isfinite(c->closed))
     MpmPrint("  there        alpha = %.6g (P2G G2P), kappa = %.6g (DIV GRAD), mu = %.4g%+.4gi (P2G GRAD), f = %.4g "

@@ -397,7 +397,7 @@ void MpmResultSymbol(json_t *result, const MpmSymbol *symbol)
   MpmResultVector(result, "symbol.beta_at_max", symbol->dim, symbol->beta_at_max);
 }
 
-/* ---- how large a matrix the nodes see of a scheme at rest, which is why its factors are what they are ---- */
+/* ---- the matrix by which a step maps nodal values at rest: its size says how many factors a phase has ---- */
 
 /* The images by their maps and fields, in one dimension. */
 static PetscErrorCode NameImages(const MpmTable *table, const MpmNodalPlan *plan, MpmText *text)
@@ -428,8 +428,8 @@ PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[])
   if (why) MpmPrint("%sthe nodes have no matrix of their own: %s\n", before, why);
   if (!plan) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(NameImages(table, plan, &images));
-  MpmPrint("%sat rest the nodes see a %" PetscInt_FMT " x %" PetscInt_FMT " matrix at each phase%s\n", before,
-           plan->nimages, plan->nimages, images.text);
+  MpmPrint("%sat rest a step maps nodal values by a %" PetscInt_FMT " x %" PetscInt_FMT " matrix at each phase%s\n",
+           before, plan->nimages, plan->nimages, images.text);
   MpmTextFree(&images);
   PetscCall(MpmNodalPlanDestroy(&plan));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -266,7 +266,7 @@ PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsWord(settings, "material", &word));
   MpmSettingsRefuseIf(finite && word > 0 && word < MPM_MATERIAL_KINDS, settings, "material",
                       "with kinematics finite all particles are of one material; allowed: uniform (linear in "
-                      "the stretch), neo, svk, tait, gas, polytropic, mises, snow or sand");
+                      "the stretch), neo, svk, tait, gas, polytropic, mises, snow, sand or clay");
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
   MpmSettingsRefuseIf(!finite && scene->law->plastic, settings, "material",
                       "it flows, and a linear scheme is about a state that does not; allowed: with kinematics finite");

@@ -393,6 +393,7 @@ static PetscErrorCode ListLayouts(void)
   MpmPrint("  %-14s equally spaced from offset, displaced by jitter (hashed from the particle's id), within fill and "
            "cluster, ppc or counts in a cell\n",
            "uniform");
+  MpmPrint("  %-14s anywhere in the grid, hashed from the particle's id and seed\n", "random");
   MpmPrint(
       "  %-14s a CSV file: a header x[,y,z] and of volume, mass, young, poisson what there is; then a line for each "
       "particle\n",
@@ -526,12 +527,11 @@ static const struct {
     {"versions", "versions", ListVersions, PETSC_FALSE},
     {"scope", "what is answered", ListScope, PETSC_FALSE},
     {"codes",
-     "public codes: their options, what those are here, and the file that says so; for what runs by default, the\n"
-     "largest stable c dt / h in one dimension, two particles a cell, at rest, and what prints it. A code without the "
-     "line\n"
-     "'run here' was only read. By default: its damping, its artificial or material viscosity and its time step, with "
-     "the\n"
-     "file and the line that say so at this commit; a file without a line was searched and has none",
+     "public codes: for each option of a code, the options of this program that make the same scheme, and the file\n"
+     "that says so. 'by default' has the code's damping, viscosity and time step, with file and line at this commit; a\n"
+     "file without a line was searched and has none. 'limit' is the largest stable c dt / h of what runs by default, in\n"
+     "one dimension with two particles a cell at rest, and the command that prints it. A code without the line\n"
+     "'run here' was read and not run",
      ListCodes, PETSC_TRUE}};
 
 /* A list by its name, or by its plural as in 'list formulations'. */

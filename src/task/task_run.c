@@ -281,7 +281,7 @@ static void Transfer(json_t *result, const MpmRun *run)
     MpmPrint("\n");
   }
   if (run->request->ringing) {
-    MpmPrint("ringing content, share of particle data that P2G does not see:");
+    MpmPrint("ringing content, share of particle data in the null space of P2G:");
     for (PetscInt f = 0; table->fields[f]; f++) {
       PrintField(table->fields[f], "first", first->ringing[f]);
       PrintField("", "last", last->ringing[f]);

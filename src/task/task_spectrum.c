@@ -151,7 +151,7 @@ static void Leading(json_t *result, const MpmSpectrum *s)
   if (!modes->n || isnan(modes->beta[0])) return;
   MpmPrint("first mode listed: beta = %s", MpmVectorText(modes->dim, modes->beta, 4, MPM_VECTOR_ROOM));
   if (!isnan(modes->p_share[0])) MpmPrint(", P share %.3g", modes->p_share[0]);
-  MpmPrint(", share that no node sees %.2g\n", modes->null_share[0]);
+  MpmPrint(", share in the null space of P2G %.2g\n", modes->null_share[0]);
 }
 
 static void Operator(json_t *result, const MpmSpectrum *s)
@@ -185,8 +185,8 @@ static void Operator(json_t *result, const MpmSpectrum *s)
     MpmResultSay(found, "eigenvalues at 1: %" PetscInt_FMT "{at_one}", s->at_one);
     if (s->nullity != MPM_UNCOUNTED)
       MpmResultSay(found,
-                   ", of them %" PetscInt_FMT "{unseen} for what no node sees (for each field particles - rank of its "
-                   "map)",
+                   ", of them %" PetscInt_FMT "{unseen} of the null spaces of P2G and DIV (for each field: "
+                   "particles - rank)",
                    s->nullity);
     MpmPrint("\n");
   } else if (s->nullity != MPM_UNCOUNTED)

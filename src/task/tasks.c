@@ -181,7 +181,7 @@ const MpmTask MpmTasks[] = {
      "list formulation musl", NULL, MpmTaskList,
      "[formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|scope|codes]"},
     {"adapter", "an adapter for your own code, with five places to fill in", "adapter python", NULL, MpmTaskAdapter,
-     "python|octave|c|fortran|julia|javascript"},
+     "python|octave|matlab|c|fortran|julia|javascript"},
     {NULL, NULL, NULL, NULL, NULL, NULL},
 };
 

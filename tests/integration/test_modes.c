@@ -82,7 +82,7 @@ static PetscErrorCode CheckShares(void)
     if (hypot(s->eigen->re[j] - 1, s->eigen->im[j]) > 1e-3)
       CHECK(modes.null_share[j] < 0.95, "mode %d: share %.12g", (int)j + 1, modes.null_share[j]);
   }
-  CHECK(invisible >= 1, "%g modes that no node sees", invisible);
+  CHECK(invisible >= 1, "%g modes in the null space of P2G", invisible);
   PetscCall(Closed(&scene, &s, &modes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

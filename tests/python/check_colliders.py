@@ -86,7 +86,7 @@ def check_leaving():
 
 def check_energy():
     """Bodies at rest take energy alone, and none comes back. Where particles with flip keep velocities that nodes do not
-    see, as with musl, a part of what these have comes back as motion that nodes see, so that this is for other schemes."""
+    see, as with musl, a part of what these have comes back as motion of the nodes, so that this is for other schemes."""
     rest = BODIES.replace(", velocity: [0.2, 0]", "")
     for formulation, transfer in (("usl", "flip"), ("musl", "apic"), ("usf", "apic")):
         run(*BLOCK, "-formulation", formulation, "-transfer", transfer, "-colliders", rest, "-csv", "energy.csv",

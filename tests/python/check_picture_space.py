@@ -84,7 +84,7 @@ def check_zone():
 
 
 def check_damped():
-    """Where the closed form leaves out what no node sees, it must stand beside the symbol, in blue where it damps."""
+    """Where the closed form leaves out the null space of P2G, it must stand beside the symbol, in blue where it damps."""
     figure = pictures.symbol("damped-symbol.h5")
     whole, seen = panels_of(figure)
     with h5py.File("damped-symbol.h5") as file:
@@ -115,7 +115,7 @@ def check_planes():
 
 
 def check_eigenvalues():
-    """Discs stand at the phases of modes that nodes see, and at the opposite ones; their colours are the growth."""
+    """Discs stand at the phases of modes outside the null space of P2G, and at the opposite ones; their colours are the growth."""
     figure = pictures.symbol("turns.h5", "turns.json")
     discs, = [found for found in figure.axes[0].collections if found.get_gid() == "eigenvalues"]
     with h5py.File("turns.h5") as file:

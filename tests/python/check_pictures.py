@@ -104,8 +104,8 @@ def check_symbol():
         check(len(beta) == numpy.isfinite(file["spectrum/beta"][:]).sum() > 10, f"{len(beta)} eigenvalues by phase")
     close([size.min(), size.max()], [1, math.sqrt(1.25)], "eigenvalues by phase", 1e-6)
     seen = numpy.genfromtxt("gas1-symbol.csv", delimiter=",", names=True)
-    check(len(seen["growth_seen"]) == 9, "growth of what nodes see is not in the CSV: this tests nothing")
-    close(line(pictures.symbol("gas1-symbol.h5"), "growth_seen"), [seen["beta"], seen["growth_seen"]], "what nodes see")
+    check(len(seen["growth_seen"]) == 9, "growth of nodal values is not in the CSV: this tests nothing")
+    close(line(pictures.symbol("gas1-symbol.h5"), "growth_seen"), [seen["beta"], seen["growth_seen"]], "nodal values")
     _, size = line(pictures.symbol("drift-symbol.h5", None, "drift.h5"), "eigenvalues")
     check(math.isclose(size.max(), loaded("drift.json")["growth"], rel_tol=1e-9), "growth of a period is not per step")
 

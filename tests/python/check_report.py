@@ -20,7 +20,7 @@ import types
 
 os.environ["MPMSTAB"] = os.path.abspath(sys.argv[1])
 from checks import ROOT, SCRIPTS, check, check_one_line, run_script, text_of
-from browser import WAIT, browser, check_quiet, clipboard_after, opened, require_browser, resize
+from browser import WAIT, Keys, browser, check_quiet, clipboard_after, opened, require_browser, resize, webdriver
 import report_page  # noqa: E402 (which program it runs comes first)
 import report_runs  # noqa: E402
 
@@ -33,7 +33,7 @@ SCENES = {"rings": "formulation: gas2\ncells: 8\ncourant: 0.1\ndrift: 1/8\niniti
           "space": "dim: 3\nformulation: usl\ntransfer: apic\ngradient: mls\nbasis: quadratic\ncells: 4,2,2\nppc: 1\n"
                    "length: 2,1,1\ninitial: random\nsteps: 20\n",
           "wrong one's": "formulation: gas2\ncells: minus one\n"}
-WIDTHS = ((390, 844), (1280, 900))
+WIDTHS = ((390, 844), (820, 1180), (1280, 900))
 
 
 def report(*arguments, **how):
@@ -211,6 +211,9 @@ def check_browser(path, screenshots=""):
             check_quiet(driver, width)
             look(driver, width)
             use(driver, width)
+            type_keys(driver, width)
+            for scheme in ("dark", "light"):
+                read_in(driver, width, scheme)
             if screenshots:
                 picture = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "format": "png"})
                 with open(f"{screenshots}-{width}.png", "wb") as file:
@@ -250,6 +253,45 @@ def use(driver, width):
         "box.scrollLeft = 150; return [box.scrollLeft, before[0] - at(cells[0]), before[1] - at(cells[1])]")
     check(abs(table[1]) < 2 and abs(table[2] - table[0]) < 2 and (table[0] == 150 or width > 500),
           f"at {width}: the table has scrolled by {table[0]}, its first two columns by {table[1:]}")
+
+
+def type_keys(driver, width):
+    """With keys alone each button, link and box that scrolls is reached and outlined; Enter opens a picture, Escape closes it."""
+    keys = webdriver.ActionChains(driver)
+    driver.execute_script("const top = document.querySelector('h1'); top.tabIndex = -1; top.focus(); "
+                          "top.removeAttribute('tabindex'); window.reached = new Set(); "
+                          "document.addEventListener('focusin', e => { if (getComputedStyle(e.target).outlineStyle !== 'none') "
+                          "window.reached.add(e.target); })")
+    stops = "[...document.querySelectorAll('a[href], button, summary, [tabindex]')].filter(e => e.checkVisibility())"
+    for _ in range(driver.execute_script(f"return {stops}.length")):
+        keys.send_keys(Keys.TAB)
+    keys.perform()
+    missed = driver.execute_script(f"return {stops}.filter(e => !window.reached.has(e)).map(e => e.outerHTML.slice(0, 80))")
+    check(not missed, f"at {width}: not reached with keys, or not outlined: {missed[:5]}")
+    driver.execute_script("document.querySelector('.enlarge').focus()")
+    webdriver.ActionChains(driver).send_keys(Keys.ENTER).pause(0.2).perform()
+    opens = driver.execute_script("return document.querySelectorAll('dialog[open]').length")
+    webdriver.ActionChains(driver).send_keys(Keys.ESCAPE).pause(0.2).perform()
+    shut, back = driver.execute_script("return [document.querySelectorAll('dialog').length, document.activeElement.className]")
+    check((opens, shut, back) == (1, 0, "enlarge"), f"at {width}: by Enter {opens} pictures open, after Escape {shut}; focus on {back}")
+
+
+def read_in(driver, width, scheme):
+    """Text stands out from what is behind it, 4.5 to 1 (WCAG AA), in dark mode too."""
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
+    faint = driver.execute_script(r"""
+      const parts = text => text.match(/[\d.]+/g).map(Number);
+      const light = text => parts(text).slice(0, 3).map(c => c / 255).map(c => c <= 0.04045 ? c / 12.92 :
+        ((c + 0.055) / 1.055) ** 2.4).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+      const behind = e => { const c = getComputedStyle(e).backgroundColor, p = parts(c);
+        return p.length < 4 || p[3] > 0 ? c : behind(e.parentElement); };
+      const ratio = e => { const a = light(getComputedStyle(e).color), b = light(behind(e));
+        return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05); };
+      return [...document.querySelectorAll('p, a, td, th, dt, dd, li, pre, button, figcaption, .badge, .verdict, .quiet')]
+        .filter(e => ratio(e) < 4.5).map(e => `${e.className || e.tagName} ${ratio(e).toFixed(2)}`)""")
+    check(not faint, f"at {width}, {scheme}: too faint: {sorted(set(faint))[:5]}")
+    dark = driver.execute_script("return getComputedStyle(document.body).backgroundColor")
+    check((dark == "rgb(255, 255, 255)") == (scheme == "light"), f"at {width}, {scheme}: the page is {dark}")
 
 
 def check_code():

@@ -15,7 +15,7 @@
 typedef struct { double x[2], v[2], stress[3]; } Particle;
 enum { PARTICLES = 8 };
 
-/* FILL 2: the same fields in the same order. One is the place. "scale": 20 says which change counts as 1, where you know it. */
+/* FILL 2: the same fields in the same order. One is the place. Where you know it, add the size of a usual change: "scale": 20. */
 static const char fields[] = "{\"name\": \"x\", \"size\": 2, \"place\": true}, {\"name\": \"v\", \"size\": 2}, "
                              "{\"name\": \"stress\", \"size\": 3}";
 

@@ -11,7 +11,7 @@ module mine
   ! FILL 1: the number of particles, and of numbers of a particle: all that a step changes and a later step reads.
   integer, parameter :: particles = 8, numbers = 7
 
-  ! FILL 2: the fields of a particle in their order. One is the place. "scale": 20 says which change counts as 1.
+  ! FILL 2: the fields of a particle in their order. One is the place. Where you know it, add the size of a usual change: "scale": 20.
   character(*), parameter :: fields = '{"name": "x", "size": 2, "place": true}, {"name": "v", "size": 2},'// &
                                       '{"name": "stress", "size": 3}'
 

@@ -10,7 +10,7 @@ grid = "\"dim\": 2, \"cell_width\": 0.1, \"periodic\": [null, null]"
 # FILL 3: the parameters that mpmstab may set, with the values of your code.
 parameters = Dict("dt" => 1e-4)
 
-# FILL 4: which field is the place. Where you know it, which change of a field counts as 1: (v = ", \"scale\": 20",).
+# FILL 4: the field that is the place. Where you know it, the size of a usual change of another field: (v = ", \"scale\": 20",).
 known = (x = ", \"place\": true",)
 
 # FILL 5: one step. It changes the arrays of the state, and keeps nothing else.

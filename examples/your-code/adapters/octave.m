@@ -1,4 +1,4 @@
-% An adapter for your code. Fill in the five places, then: mpmstab spectrum -program 'octave -q mine.m'
+% An adapter for your code. Fill in the five places, then: mpmstab spectrum -program 'octave -q mine.m'; of MATLAB 'matlab -batch mine'.
 % It calls mpmstab_serve: mpmstab adapter mpmstab_serve.m > mpmstab_serve.m
 1; % in Octave this file is a script
 
@@ -11,7 +11,7 @@ about = struct('cell_width', 0.1, 'periodic', [NaN, NaN], 'name', 'mine');
 % FILL 3: the parameters that mpmstab may set, with the values of your code.
 about.parameters = struct('dt', 1e-4);
 
-% FILL 4: the field that is the place. Where you know it, which change of a field counts as 1: struct('v', 20).
+% FILL 4: the field that is the place. Where you know it, the size of a usual change of another field: struct('v', 20).
 [about.place, about.scale] = deal('x', struct());
 
 % FILL 5: one step. It returns the state after it, and keeps nothing else.

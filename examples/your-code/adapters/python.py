@@ -14,7 +14,7 @@ cell_width, periodic = 0.1, [None, None]
 # FILL 3: the parameters that mpmstab may set, with the values of your code.
 parameters = {"dt": 1e-4}
 
-# FILL 4: which field is the place. Where you know it, which change of a field counts as 1: {"v": {"scale": 20}}.
+# FILL 4: the field that is the place. Where you know it, the size of a usual change of another field: {"v": {"scale": 20}}.
 fields = {"x": {"place": True}}
 
 

@@ -1,10 +1,14 @@
-"""A recipe for Spack: put it into packages/mpmstab/ of a repository of your own."""
+"""A recipe for Spack 1.0 and newer: put it into packages/mpmstab/ of a repository of your own."""
+from spack_repo.builtin.build_systems.cmake import CMakePackage
+
 from spack.package import *
 
 
 class Mpmstab(CMakePackage):
     """Stability laboratory for the material point method: which time step a code can take, how accurate its scheme is for
     what cost, and why it breaks."""
+
+    homepage = "https://example.org/mpmstab"  # to be named when the project has a page
 
     # Until the tarball of scripts/release.sh is somewhere: spack develop --path SOURCES mpmstab@0.2.0
     version("0.2.0")
