@@ -232,11 +232,14 @@ def plane_frame(scene, step, group, panels, limits):
     x = files.array(group, "particles/coordinates", OUTPUT) * cells[0] / float(scenes.each(scene, "length")[0])
     kept, where = plane.layer_of(scene, x)
     down = cells[0] > 2 * cells[1]  # a long domain has its panels one below the other
-    rows, columns = (len(panels), 1) if down else (1, len(panels))
+    columns = 1 if down else min(2, len(panels))  # more would not be read on a telephone
+    rows = math.ceil(len(panels) / columns)
     high = 0.7 + 5 * cells[1] / cells[0] if down else 1.1 + 2.6 * cells[1] / cells[0]
     figure = style.new_figure(0.9 + rows * high, scenes.scene_text(scene), width=max(6.4, 0.4 + 3.2 * columns))
-    for axes, panel, largest in zip(figure.subplots(rows, columns, squeeze=False).ravel(), panels,
-                                    limits or plane.with_floor(sizes_of(registers, panels))):
+    places = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axes in places[len(panels):]:
+        axes.remove()
+    for axes, panel, largest in zip(places, panels, limits or plane.with_floor(sizes_of(registers, panels))):
         discs = plane.draw_particles(axes, scene, x[kept], panel.values(registers)[kept],
                                      plane.colours_of(largest, panel.signed), panel.label)
         if panel.vector:

@@ -527,11 +527,11 @@ static const struct {
     {"versions", "versions", ListVersions, PETSC_FALSE},
     {"scope", "what is answered", ListScope, PETSC_FALSE},
     {"codes",
-     "public codes: for each option of a code, the options of this program that make the same scheme, and the file\n"
-     "that says so. 'by default' has the code's damping, viscosity and time step, with file and line at this commit; a\n"
-     "file without a line was searched and has none. 'limit' is the largest stable c dt / h of what runs by default, in\n"
-     "one dimension with two particles a cell at rest, and the command that prints it. A code without the line\n"
-     "'run here' was read and not run",
+     "public codes: for each option of a code, the options of this program that make the same scheme, and the\n"
+     "file that says so. 'by default' has the code's damping, viscosity and time step, with file and line at this\n"
+     "commit; a file without a line was searched and has none. 'limit' is the largest stable c dt / h of what runs\n"
+     "by default, in one dimension with two particles a cell at rest, and the command that prints it. A code\n"
+     "without the line 'run here' was read and not run",
      ListCodes, PETSC_TRUE}};
 
 /* A list by its name, or by its plural as in 'list formulations'. */

@@ -28,7 +28,9 @@ def names_of(what):
 def read_table(text):
     """Returns the codes by name: a code has its own line, its rows (option, here, file) and the line of its limit."""
     codes = {}
-    for line in text.splitlines()[4:]:
+    for line in text.splitlines():
+        if not line.startswith(" "):
+            continue  # the head of the list
         indent, words = len(line) - len(line.lstrip()), line.strip()
         if indent == 2:
             name, source = words.split(": ", 1)
