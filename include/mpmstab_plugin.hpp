@@ -9,6 +9,12 @@
      };
      MPMSTAB_PLUGIN(Mine)
 
+   A code that describes "scenes": true also has
+
+       static void scene(const std::string &message, std::size_t particles, const double *period, const double *given, double *state);
+
+   and MPMSTAB_SCENES(Mine) after MPMSTAB_PLUGIN(Mine). Its base state may be empty.
+
    It is built as a shared library: c++ -fPIC -shared -o libmine.so mine.cpp. What set and step throw is their error.
 */
 #pragma once
@@ -39,7 +45,7 @@ template <class Action> int mpmstab_caught(Action action, std::string &wrong)
   {                                                                                                                    \
     const auto start = [] { mpmstab_text = Code::describe(), mpmstab_base = Code::base(); };                           \
     if (mpmstab_caught(start, mpmstab_wrong)) return nullptr;                                                          \
-    *state = mpmstab_base.data();                                                                                      \
+    *state = mpmstab_base.empty() ? nullptr : mpmstab_base.data();                                                     \
     return mpmstab_text.c_str();                                                                                       \
   }                                                                                                                    \
   int mpmstab_set(const char name[], double value)                                                                     \
@@ -54,3 +60,9 @@ template <class Action> int mpmstab_caught(Action action, std::string &wrong)
     return mpmstab_caught(all, mpmstab_wrong);                                                                         \
   }                                                                                                                    \
   const char *mpmstab_error(void) { return mpmstab_wrong.c_str(); }
+
+#define MPMSTAB_SCENES(Code)                                                                                           \
+  int mpmstab_scene(const char message[], int64_t particles, const double period[], const double given[], double state[]) \
+  {                                                                                                                    \
+    return mpmstab_caught([&] { Code::scene(message, (std::size_t)particles, period, given, state); }, mpmstab_wrong); \
+  }

@@ -18,7 +18,7 @@ extern "C" {
    with protocol, name, dim, cell_width, periodic, particles, fields, parameters and steps.
 
    Output Parameter: state - the base state, particles x numbers, particle by particle, fields in the order described.
-   It stays valid while the library is loaded.
+   It stays valid while the library is loaded. A description with "scenes": true needs no particles and no base state.
 
    Returns: the text, or NULL when the code cannot start; mpmstab_error then says why.
 */
@@ -35,6 +35,16 @@ int mpmstab_set(const char name[], double value);
    Returns: 0, or another number when the code cannot step from there.
 */
 int mpmstab_step(int steps, int64_t particles, double state[]);
+
+/*
+   mpmstab_scene - needed if the description has "scenes": true: makes the base state of particles that mpmstab chooses, and the grid for
+   them. Later steps are of these particles, or of another number of them.
+
+   Input Parameters: message - the line of JSON; particles - their number; period - of the grid in each direction, 0: none;
+   given - for each particle its place, volume and mass. Output Parameter: state - particles x numbers.
+   Returns: 0, or another number when the code cannot take them.
+*/
+int mpmstab_scene(const char message[], int64_t particles, const double period[], const double given[], double state[]);
 
 /*
    mpmstab_reset - needed if the description has "reset": true. It is then called before mpmstab_step, and forgets all that

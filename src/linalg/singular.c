@@ -8,6 +8,7 @@
 #include <slepcsvd.h>
 
 #define RESTARTS 500
+#define NORM_VECTORS 4
 
 PetscErrorCode MpmSingularStart(PetscInt64 seed, Vec start)
 {
@@ -19,6 +20,31 @@ PetscErrorCode MpmSingularStart(PetscInt64 seed, Vec start)
   PetscCall(VecGetArray(start, &x));
   for (PetscInt row = begin; row < end; row++) x[row - begin] = MpmHash(seed, row) - 0.5;
   PetscCall(VecRestoreArray(start, &x));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmNormBelow(Mat matrix, NormType type, PetscReal *norm)
+{
+  Vec x, y;
+
+  PetscFunctionBegin;
+  PetscCheck(type == NORM_INFINITY, PETSC_COMM_SELF, PETSC_ERR_SUP, "of an operator without a matrix, no such norm");
+  PetscCall(MatCreateVecs(matrix, &x, &y));
+  *norm = 0;
+  for (PetscInt v = 0; v < NORM_VECTORS; v++) {
+    PetscInt   begin, end;
+    PetscReal *sign, largest;
+
+    PetscCall(VecGetOwnershipRange(x, &begin, &end));
+    PetscCall(VecGetArrayWrite(x, &sign));
+    for (PetscInt i = begin; i < end; i++) sign[i - begin] = MpmHash(v, i) < 0.5 ? -1 : 1;
+    PetscCall(VecRestoreArrayWrite(x, &sign));
+    PetscCall(MatMult(matrix, x, y));
+    PetscCall(VecNorm(y, NORM_INFINITY, &largest));
+    if (!(largest <= *norm)) *norm = largest; /* NaN is the largest */
+  }
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&y));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

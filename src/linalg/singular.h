@@ -20,6 +20,14 @@ PetscErrorCode MpmSingularTryOptions(void);
 /* Collective. Fills a start vector with components in every direction, the same on any number of ranks. */
 PetscErrorCode MpmSingularStart(PetscInt64 seed, Vec start);
 
+/*
+   MpmNormBelow - the infinity norm from below: the largest number that a matrix makes of a few vectors of ones with random signs. It
+   is NaN where one of them is.
+
+   Collective. For operators that have products alone: it may be their MATOP_NORM, and refuses other norms.
+*/
+PetscErrorCode MpmNormBelow(Mat matrix, NormType type, PetscReal *norm);
+
 /* ---- the resolvent of a matrix: sigma(z), the smallest singular value of z - A ---- */
 
 /* The largest order for which it is computed; it takes a dense complex matrix, and work like the cube of the order. */

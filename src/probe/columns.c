@@ -4,6 +4,7 @@
    its own.
 */
 #include "probe/columns.h"
+#include "linalg/singular.h"
 #include "base/hash.h"
 #include <mpmstab/errors.h>
 #include <mpmstab_scales.h>
@@ -327,45 +328,6 @@ static PetscErrorCode Multiply(Mat A, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A vector of random numbers, or of ones with random signs; the same on any number of ranks. */
-static PetscErrorCode SetRandom(PetscInt64 seed, PetscBool signs, Vec x)
-{
-  PetscInt     first, last;
-  PetscScalar *value;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetOwnershipRange(x, &first, &last));
-  PetscCall(VecGetArray(x, &value));
-  for (PetscInt i = first; i < last; i++) {
-    const PetscReal number = 2 * MpmHash(seed, i) - 1;
-
-    value[i - first] = signs ? copysign(1, number) : number;
-  }
-  PetscCall(VecRestoreArray(x, &value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Norm(Mat A, NormType type, PetscReal *norm)
-{
-  Vec x, y;
-
-  PetscFunctionBegin;
-  PetscCheck(type == NORM_INFINITY, PETSC_COMM_SELF, PETSC_ERR_SUP, "only the infinity norm");
-  PetscCall(MatCreateVecs(A, &x, &y));
-  *norm = 0;
-  for (PetscInt k = 0; k < VECTORS; k++) {
-    PetscReal largest;
-
-    PetscCall(SetRandom(61 + k, PETSC_TRUE, x));
-    PetscCall(MatMult(A, x, y));
-    PetscCall(VecNorm(y, NORM_INFINITY, &largest));
-    *norm = PetscMax(*norm, largest);
-  }
-  PetscCall(VecDestroy(&x));
-  PetscCall(VecDestroy(&y));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode Destroy(Mat A)
 {
   Shell *shell;
@@ -393,7 +355,7 @@ PetscErrorCode MpmProbeShell(MpmProbe *p, PetscReal size, Mat *A)
   PetscCall(PetscMalloc2(n, &shell->amount, n, &shell->response));
   PetscCall(MatCreateShell(PETSC_COMM_WORLD, rows, rows, n, n, shell, A));
   PetscCall(MatShellSetOperation(*A, MATOP_MULT, (void (*)(void))Multiply));
-  PetscCall(MatShellSetOperation(*A, MATOP_NORM, (void (*)(void))Norm));
+  PetscCall(MatShellSetOperation(*A, MATOP_NORM, (void (*)(void))MpmNormBelow));
   PetscCall(MatShellSetOperation(*A, MATOP_DESTROY, (void (*)(void))Destroy));
   PetscCall(MatCreateVecs(*A, &x, NULL));
   PetscCall(VecScatterCreateToAll(x, &shell->scatter, &shell->all));
@@ -412,7 +374,7 @@ PetscErrorCode MpmProbeShellDistance(Mat one, Mat other, PetscReal *distance)
   for (PetscInt k = 0; k < VECTORS; k++) {
     PetscReal of, norm;
 
-    PetscCall(SetRandom(71 + k, PETSC_FALSE, x));
+    PetscCall(MpmSingularStart(71 + k, x));
     PetscCall(MatMult(one, x, y[0]));
     PetscCall(MatMult(other, x, y[1]));
     PetscCall(VecAXPY(y[0], -1, y[1]));

@@ -6,7 +6,7 @@
 #include "probe/compare_program.h"
 #include "analysis/waves.h"
 #include "base/progress.h"
-#include "base/text.h"
+#include "probe/program_scene.h"
 #include "scene/settings.h"
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -17,41 +17,10 @@
 
 /* ---- the scene ---- */
 
-/* Whether the text has a key, as key=value at its beginning or after a comma. */
+/* Whether the option says a key. */
 static PetscBool Says(const char text[], const char key[])
 {
-  const size_t length = strlen(key);
-
-  for (const char *at = text; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)
-    if (!strncmp(at, key, length) && at[length] == '=') return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-static PetscBool SaysOneOf(const char text[], const char *const keys[])
-{
-  for (int i = 0; keys[i]; i++)
-    if (Says(text, keys[i])) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-/* Key: value, a line for each. What follows a comma without a key belongs to the value before. */
-static PetscErrorCode Lines(const char text[], MpmText *yaml)
-{
-  PetscBool fits = text[0] ? PETSC_TRUE : PETSC_FALSE;
-
-  PetscFunctionBegin;
-  for (const char *at = text; *at && fits;) {
-    const char *equals = strchr(at, '='), *end = equals ? equals + strcspn(equals, ",") : at;
-
-    while (*end && strchr(end, '=') && strcspn(end + 1, ",") < (size_t)(strchr(end, '=') - end))
-      end += 1 + strcspn(end + 1, ",");
-    if (*end && !strchr(end, '=')) end += strlen(end);
-    fits = equals && equals > at && end > equals + 1 ? PETSC_TRUE : PETSC_FALSE;
-    if (fits) PetscCall(MpmTextAdd(yaml, "%.*s: %.*s\n", (int)(equals - at), at, (int)(end - equals - 1), equals + 1));
-    at = *end ? end + 1 : end;
-  }
-  MpmCheckInput(fits, "-compare %.200s: allowed: keys of a scene, as formulation=usl,transfer=apic,courant=0.5", text);
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return MpmKeysSay(text, (const char *const[]){key, NULL});
 }
 
 /* The place in its cell of a particle of the first cell. A place just below a face is on it. */
@@ -101,7 +70,7 @@ static PetscErrorCode AddParticles(const MpmProgram *p, const char text[], MpmTe
     else
       PetscCall(MpmTextAdd(&offset, "%s%.17g", between, (double)(first * count)));
   }
-  if (!SaysOneOf(text, counts)) PetscCall(MpmTextAdd(yaml, "ppc: %s\n", ppc.text));
+  if (!MpmKeysSay(text, counts)) PetscCall(MpmTextAdd(yaml, "ppc: %s\n", ppc.text));
   if (!Says(text, "offset")) PetscCall(MpmTextAdd(yaml, "offset: %s\n", offset.text));
   MpmTextFree(&ppc);
   MpmTextFree(&offset);
@@ -122,11 +91,11 @@ static PetscErrorCode AddStep(const MpmProgram *p, const char text[], MpmText *y
   for (PetscInt i = 0; i < s->nparameters; i++)
     if (!strcmp(s->parameters[i].name, name)) dt = s->parameters[i].now;
   MpmCheckInput(
-      Says(text, "courant") || SaysOneOf(text, speeds),
+      Says(text, "courant") || MpmKeysSay(text, speeds),
       "-compare %.200s: how far waves go in a step is not known; allowed: with courant, or with wave_speed, or "
       "with young and density, in the code's units",
       text);
-  if (!SaysOneOf(text, widths) && SaysOneOf(text, speeds))
+  if (!MpmKeysSay(text, widths) && MpmKeysSay(text, speeds))
     PetscCall(MpmTextAdd(yaml, "cell_width: %.17g\n", (double)s->cell_width));
   if (!Says(text, "courant") && !Says(text, "dt")) {
     MpmCheckInput(dt > 0,
@@ -135,7 +104,7 @@ static PetscErrorCode AddStep(const MpmProgram *p, const char text[], MpmText *y
                   text, name);
     PetscCall(MpmTextAdd(yaml, "dt: %.17g\n", (double)dt));
   }
-  if (SaysOneOf(text, moves)) PetscFunctionReturn(PETSC_SUCCESS);
+  if (MpmKeysSay(text, moves)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < s->dim; a++)
     PetscCall(
         MpmTextAdd(yaml, "%s%" PetscInt_FMT "/%" PetscInt_FMT, a ? "," : "drift: ", p->probe.shift[a], p->probe.steps));
@@ -149,7 +118,7 @@ static PetscErrorCode MakeScene(const MpmProgram *p, MpmScene **scene)
   MpmText     yaml = {NULL, 0};
 
   PetscFunctionBegin;
-  PetscCall(Lines(text, &yaml));
+  PetscCall(MpmKeysAdd("compare", text, &yaml));
   if (!Says(text, "dim")) PetscCall(MpmTextAdd(&yaml, "dim: %" PetscInt_FMT "\n", p->stepper->dim));
   if (!Says(text, "cells")) PetscCall(MpmTextAdd(&yaml, "cells: %d\n", CELLS));
   PetscCall(AddParticles(p, text, &yaml));

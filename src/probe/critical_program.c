@@ -13,6 +13,7 @@
 #include <math.h>
 
 #define BLOCK 6 /* cells of the free block in each direction, or fewer so that its operator is dense */
+#define APART 4 /* cells that are empty around a period, so that the block does not feel itself across them */
 #define BELOW 4 /* steps below a limit that are tried too, equally spaced; BELOW_PART: of a part */
 #define BELOW_PART 2
 #define CLOSE 1e-6    /* relative width of the bracket of a limit */
@@ -488,7 +489,7 @@ static PetscInt BlockOf(const MpmProgram *p)
 
     for (PetscInt a = 0; a < p->stepper->dim; a++) {
       unknowns *= block;
-      if (l->cells[a] < block) fits = PETSC_FALSE;
+      if (l->cells[a] < block + (l->wraps[a] ? APART : 0)) fits = PETSC_FALSE;
     }
     if (fits && unknowns <= MPM_DENSE_MANY) return block;
   }
@@ -501,7 +502,7 @@ static PetscInt64 Expected(const MpmProgram *p, const MpmCriticalProgram *c)
   PetscInt64 calls = 2 * NODES * (PetscInt64)p->columns + 8 * (PetscInt64)p->columns + 250, block = p->lattice.sites;
 
   if (c->motion) return c->motion->n * (2 * NODES * (PetscInt64)p->columns + 7 * 40) + calls;
-  if (p->kind != MPM_PROBE_BLOCH || !p->stepper->any_count) return calls;
+  if (!c->parts) return calls;
   for (PetscInt a = 0; a < p->stepper->dim; a++) block *= c->block;
   calls += 2 * NODES * block * p->stepper->width + 150;
   return calls + p->lattice.sites * (2 * (NODES + 1) * (PetscInt64)p->stepper->width + 80);
@@ -537,8 +538,11 @@ PetscErrorCode MpmCriticalProgramBegin(MpmProgram *p, MpmCriticalProgram *c)
         p->why);
     PetscCall(PetscNew(&c->motion));
     PetscCall(MpmMotionBegin(p, c->motion));
-  } else if (p->kind == MPM_PROBE_BLOCH && stepper->any_count)
-    c->block = BlockOf(p);
+  }
+  c->parts = p->kind == MPM_PROBE_BLOCH && stepper->any_count && !c->motion && p->request->probe == MPM_PROBE_ANY
+                 ? PETSC_TRUE
+                 : PETSC_FALSE;
+  if (c->parts) c->block = BlockOf(p);
   c->expected = Expected(p, c);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -561,8 +565,7 @@ PetscErrorCode MpmCriticalProgramFind(MpmProgram *p, PetscReal started, MpmCriti
   if (s.place[0].n) PetscCall(PetscMalloc1(w, &s.given));
   if (s.given) PetscCall(PetscArraycpy(s.given, s.place[0].unread.apart, w));
   Say(&s);
-  if (bloch && p->stepper->any_count && !c->motion)
-    PetscCall(Parts(&s, started, isfinite(*limit) && *limit > 0 ? *limit : c->given));
+  if (c->parts) PetscCall(Parts(&s, started, isfinite(*limit) && *limit > 0 ? *limit : c->given));
   p->alike = NULL;
   PetscCall(Finish(&s, started, *limit));
   PetscCall(Forget(&s));

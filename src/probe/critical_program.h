@@ -30,6 +30,7 @@ extern const char *const MpmProgramLimitNames[];
    probes    - the operators that were built; calls: on the first rank
    expected  - the calls that it was going to take, about
    beta, dim - the phase of the wave that limits the interior
+   parts     - a free block and a lone particle are sought, too
    block     - cells of the free block in each direction; site: of the lone particle with the least limit
    motion    - along which the particles are set, of which the interior alone is sought; NULL: they are at rest
    least     - the kind with the least limit, or MPM_NONE; carriers: the particles that carry its mode, unless it is the
@@ -43,6 +44,7 @@ typedef struct {
   PetscInt    probes, dim, block, site, least;
   PetscInt64  calls, expected;
   MpmMotion  *motion;
+  PetscBool   parts;
   MpmCarriers carriers;
 } MpmCriticalProgram;
 

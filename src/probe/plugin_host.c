@@ -12,16 +12,17 @@
 #define SAID 400 /* bytes of what a library says that stand in a failure */
 #define BATCH 64 /* states that may come in one request, and are stepped one after another */
 
-/* numbers: of the base state; room: of state. */
+/* dim, particles, width: as described, or of the scene since; room: of state. */
 typedef struct {
   void *library;
   const char *(*describe)(const double **state);
   int (*set)(const char name[], double value);
   int (*step)(int steps, int64_t particles, double state[]);
+  int (*scene)(const char message[], int64_t particles, const double period[], const double given[], double state[]);
   void (*reset)(void);
   const char *(*error)(void);
   FILE   *in, *out;
-  size_t  particles, width, room;
+  size_t  dim, particles, width, room;
   double *state;
 } Host;
 
@@ -90,6 +91,7 @@ static void WriteDescription(Host *h, const char text[])
   size_t  f;
 
   h->particles = (size_t)json_integer_value(json_object_get(description, "particles"));
+  h->dim       = (size_t)json_integer_value(json_object_get(description, "dim"));
   h->width     = 0;
   json_array_foreach (json_object_get(description, "fields"), f, field) {
     h->width += (size_t)json_integer_value(json_object_get(field, "size"));
@@ -113,12 +115,12 @@ static void Describe(Host *h, const char path[])
   text = h->describe(&state);
   if (!text)
     Fail(h, "describe: %.*s", SAID, Said(h));
-  else if (!state)
+  else if (!state && !strstr(text, "\"scenes\""))
     Fail(h, "describe gives no base state");
   else {
     WriteDescription(h, text);
     (void)fflush(h->out); /* what it says of a state may not be so */
-    (void)fwrite(state, sizeof *state, h->particles * h->width, h->out);
+    if (state) (void)fwrite(state, sizeof *state, h->particles * h->width, h->out);
   }
 }
 
@@ -137,6 +139,39 @@ static void Set(Host *h, json_t *message)
   }
 }
 
+/* Makes room for n numbers of states. Returns whether there is memory for them. */
+static int Room(Host *h, size_t n)
+{
+  if (n <= h->room) return 1;
+  free(h->state);
+  h->state = calloc(n, sizeof *h->state);
+  h->room  = h->state ? n : 0;
+  return h->state != NULL;
+}
+
+/* Returns whether the places, volumes and masses have come and there is memory for them. */
+static int Scene(Host *h, const char line[], const json_t *message)
+{
+  const size_t particles = (size_t)json_integer_value(json_object_get(message, "particles")),
+               n         = particles * (h->dim + 2);
+  const json_t *periodic = json_object_get(message, "periodic");
+  double       *given = calloc(n, sizeof *given), period[3] = {0};
+  int           came = given && fread(given, sizeof *given, n, h->in) == n && Room(h, particles * h->width);
+
+  for (size_t a = 0; a < h->dim && a < 3; a++) period[a] = json_number_value(json_array_get(periodic, a));
+  h->particles = particles;
+  if (came && (h->scene || Find(h, "mpmstab_scene", &h->scene))) {
+    if (h->scene(line, (int64_t)particles, period, given, h->state))
+      Fail(h, "scene: %.*s", SAID, Said(h));
+    else {
+      (void)fputs("{}\n", h->out);
+      (void)fwrite(h->state, sizeof *h->state, particles * h->width, h->out);
+    }
+  }
+  free(given);
+  return came;
+}
+
 /* Returns whether the states have come and there is memory for them. */
 static int Step(Host *h, const json_t *message)
 {
@@ -145,12 +180,7 @@ static int Step(Host *h, const json_t *message)
   const size_t  n     = one * (many ? (size_t)json_integer_value(many) : 1);
   const int     steps = (int)json_integer_value(json_object_get(message, "steps"));
 
-  if (n > h->room) {
-    free(h->state);
-    h->state = calloc(n, sizeof *h->state);
-    h->room  = n;
-  }
-  if (!h->state || fread(h->state, sizeof *h->state, n, h->in) != n) return 0;
+  if (!Room(h, n) || fread(h->state, sizeof *h->state, n, h->in) != n) return 0;
   for (size_t at = 0; at < n; at += one) {
     if (json_is_true(json_object_get(message, "reset"))) {
       if (!h->reset && !Find(h, "mpmstab_reset", &h->reset)) return 1;
@@ -195,6 +225,8 @@ int MpmPluginHost(const char path[])
       Describe(&h, path);
     else if (what && !strcmp(what, "set"))
       Set(&h, message);
+    else if (what && !strcmp(what, "scene"))
+      goes = Scene(&h, line, message);
     else
       goes = what && !strcmp(what, "step") ? Step(&h, message) : 0;
     json_decref(message);

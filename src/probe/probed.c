@@ -1,6 +1,7 @@
 /* Operators that were probed: which numbers nothing reads, sums, and distances. */
 #include "probe/probed.h"
 #include "base/hash.h"
+#include "linalg/singular.h"
 #include <mpmstab_scales.h>
 #include <math.h>
 
@@ -209,15 +210,11 @@ static PetscErrorCode BlocksDistance(const MpmBlocks *one, const MpmBlocks *othe
 /* The Euclidean norm of a matrix, by the power method on E^T E. */
 static PetscErrorCode Norm2(Mat E, PetscReal *norm)
 {
-  PetscInt first, last;
-  Vec      x, y;
+  Vec x, y;
 
   PetscFunctionBegin;
   PetscCall(MatCreateVecs(E, &x, &y));
-  PetscCall(VecGetOwnershipRange(x, &first, &last));
-  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(x, i, 2 * MpmHash(51, i) - 1, INSERT_VALUES));
-  PetscCall(VecAssemblyBegin(x));
-  PetscCall(VecAssemblyEnd(x));
+  PetscCall(MpmSingularStart(51, x));
   *norm = 1;
   for (int step = 0; step < NORM_STEPS && (*norm) > 0; step++) {
     PetscCall(VecNormalize(x, NULL));

@@ -1,6 +1,7 @@
 /* Starting and probing a code, and how far its operator can be trusted. */
 #include "probe/program.h"
 #include "base/hash.h"
+#include "probe/program_scene.h"
 #include <mpmstab/operator.h>
 #include <mpmstab/errors.h>
 #include <math.h>
@@ -60,6 +61,8 @@ PetscErrorCode MpmProgramOpen(const MpmRequest *request, MpmProgram *p)
     PetscCall(MpmStepperStartProgram(request->program, request->program_timeout, &p->stepper));
   else
     PetscCall(MpmStepperStartPlugin(request->plugin, request->program_timeout, &p->stepper));
+  if (request->program_scene[0] || !p->stepper->described)
+    PetscCall(MpmProgramTakeScene(request->program_scene, p->stepper));
   if (request->program_period) p->stepper->steps = request->program_period;
   PetscCall(Set(p->stepper, "program_set", request->program_set, MpmStepperSet));
   PetscCall(Set(p->stepper, "program_base", request->program_base, ChangeBase));

@@ -6,6 +6,7 @@
      > {"do":"set","NAME":VALUE}                < {}
      > {"do":"step","steps":N}   the state      < {}                    the state      with "reset":true if it can, and
                                                                                        "states":M with M states at a time
+     > {"do":"scene","particles":N, ...}        < {}                    the base state, of N places, volumes and masses
      > {"do":"quit"}
 
    Instead an answer may be an "error", in the words of the code, or a "failure", a sentence of the process of a library.
@@ -228,6 +229,7 @@ static void TakeGrid(MpmStepper *s, const json_t *description)
   s->cell_width = json_number_value(width);
   if (!(s->cell_width > 0) || !isfinite(s->cell_width))
     MpmStepperFail(s, "its description has no cell_width; needed: a number above 0");
+  s->has_periods = json_is_array(periods) ? PETSC_TRUE : PETSC_FALSE;
   if (periods && !json_is_null(periods) && (!json_is_array(periods) || json_array_size(periods) != (size_t)s->dim))
     MpmStepperFail(s, "its description has a wrong periodic; needed: for each direction a period or null");
   for (PetscInt a = 0; a < s->dim && json_is_array(periods) && !s->failure[0]; a++) {
@@ -272,14 +274,16 @@ static PetscErrorCode TakeDescription(MpmStepper *s, const json_t *description)
   Whole(s, description, "protocol", PROTOCOL, PROTOCOL, &protocol);
   TakeName(s, description, "the code", s->name);
   Whole(s, description, "dim", 1, MPM_MAX_DIM, &dim);
-  Whole(s, description, "particles", 1, 1000000000, &s->particles);
+  s->scenes = json_is_true(json_object_get(description, "scenes")) ? PETSC_TRUE : PETSC_FALSE;
+  if (!s->scenes || json_object_get(description, "particles"))
+    Whole(s, description, "particles", 1, 1000000000, &s->particles);
   if (json_object_get(description, "steps")) Whole(s, description, "steps", 1, 1000000, &steps);
   if (json_object_get(description, "batch")) Whole(s, description, "batch", 1, 1000000, &batch);
   s->dim       = (PetscInt)dim;
   s->described = s->particles;
   s->steps     = (PetscInt)steps;
   s->batch     = (PetscInt)batch;
-  s->any_count = json_is_true(json_object_get(description, "any_count")) ? PETSC_TRUE : PETSC_FALSE;
+  s->any_count = s->scenes || json_is_true(json_object_get(description, "any_count")) ? PETSC_TRUE : PETSC_FALSE;
   s->resets    = json_is_true(json_object_get(description, "reset")) ? PETSC_TRUE : PETSC_FALSE;
   TakeGrid(s, description);
   TakeFields(s, json_object_get(description, "fields"));
@@ -338,6 +342,27 @@ PetscErrorCode MpmStepperStartPlugin(const char path[], PetscReal timeout, MpmSt
   PetscCall(MpmChildStart((char *[]){own, host, library, NULL}, timeout, &child));
   PetscCall(PetscFree(library));
   PetscCall(Begin("plugin", path, "the library", child, timeout, stepper));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmStepperTakeScene(MpmStepper *s, PetscInt64 particles, const PetscReal given[], json_t *material)
+{
+  json_t *command = json_pack("{s:s, s:I, s:f, s:o}", "do", "scene", "particles", (json_int_t)particles, "cell_width",
+                              (double)s->cell_width, "periodic", json_array()),
+         *periods = json_object_get(command, "periodic"), *answer;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < s->dim; a++)
+    (void)json_array_append_new(periods, s->period[a] > 0 ? json_real(s->period[a]) : json_null());
+  if (material) (void)json_object_set_new(command, "material", material);
+  s->particles = s->described = particles;
+  PetscCall(Ask(s, "scene", command, given, (size_t)(particles * (s->dim + 2)), &answer));
+  PetscCall(PetscFree(s->base));
+  PetscCall(PetscFree(s->cell));
+  PetscCall(PetscMalloc1(particles * s->width, &s->base));
+  if (answer) PetscCall(TakeState(s, particles * s->width, s->base));
+  json_decref(answer);
+  PetscCall(MpmStepperBegin(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

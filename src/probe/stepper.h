@@ -41,7 +41,7 @@ typedef struct {
    where       - the option and its value, for messages; whose: 'the program' or 'the library'
    name        - of the code
    dim, cell_width, period - of its grid; a period of 0: none in that direction
-   described   - the number of particles that the code has described
+   described   - the number of particles that the code has described, or of the scene that it was given since; 0: of none
    particles   - the number in the base state; width: of the numbers of a particle, which the fields share
    place       - the number of the field that is the particle's place, or MPM_NONE
    cell        - instead of a place the cell of each particle, dim numbers each, or NULL
@@ -53,6 +53,7 @@ typedef struct {
    searched    - scales of fields have been looked for; unsettled: by so many powers of 2 they change when that is done again,
                  infinite: they were not found
    any_count   - a step may be asked for another number of particles
+   scenes      - the code takes particles by place, volume and mass; has_periods: it has said its periods, which a scene must have
    base        - the base state: particles x width numbers
    failure     - of this rank; empty: none
    calls, done - states that were stepped on this rank, and their steps; slowest: seconds that one took
@@ -68,7 +69,7 @@ struct MpmStepper_ {
   PetscInt            dim, nfields, width, place, nparameters, steps, batch, nested;
   PetscReal           cell_width, period[MPM_MAX_DIM], unsettled, slowest, timeout;
   PetscInt64          described, particles, calls, done, expected, begun;
-  PetscBool           any_count, searched, changes, resets;
+  PetscBool           any_count, scenes, has_periods, searched, changes, resets;
   MpmStepperField     fields[MPM_STEPPER_FIELDS];
   MpmStepperParameter parameters[MPM_STEPPER_PARAMETERS];
   PetscInt           *cell;
@@ -87,6 +88,13 @@ struct MpmStepper_ {
 */
 PetscErrorCode MpmStepperStartProgram(const char command[], PetscReal timeout, MpmStepper **stepper);
 PetscErrorCode MpmStepperStartPlugin(const char path[], PetscReal timeout, MpmStepper **stepper);
+
+/*
+   MpmStepperTakeScene - gives a code the place, volume and mass of particles, dim + 2 numbers each, and takes its base state. material: is
+   freed; NULL: the code's. Collective.
+*/
+PetscErrorCode MpmStepperTakeScene(MpmStepper *stepper, PetscInt64 particles, const PetscReal given[],
+                                   json_t *material);
 
 /* Not collective. The place of a particle in the base state, dim numbers; NULL if no field is the place. */
 const PetscReal *MpmStepperPlace(const MpmStepper *stepper, PetscInt64 particle);

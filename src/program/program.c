@@ -1,9 +1,9 @@
 /* Programs, the interpreter, and registers as vectors. */
 #include "base/hash.h"
 #include "program/program.h"
+#include "linalg/singular.h"
 
 #define OF_NONZERO 12 /* bytes */
-#define NORM_VECTORS 4
 
 PetscErrorCode MpmStepProgramCreate(const MpmRegisters *registers, PetscReal courant, MpmStepProgram **program)
 {
@@ -285,32 +285,6 @@ static PetscErrorCode Backwards(Mat matrix, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The infinity norm from below: the largest number that the matrix makes of a few vectors of ones with random signs. */
-static PetscErrorCode LowerNorm(Mat matrix, NormType type, PetscReal *norm)
-{
-  Vec x, y;
-
-  PetscFunctionBegin;
-  PetscCheck(type == NORM_INFINITY, PETSC_COMM_SELF, PETSC_ERR_SUP, "of an operator without a matrix, no such norm");
-  PetscCall(MatCreateVecs(matrix, &x, &y));
-  *norm = 0;
-  for (PetscInt v = 0; v < NORM_VECTORS; v++) {
-    PetscInt   begin, end;
-    PetscReal *sign, largest;
-
-    PetscCall(VecGetOwnershipRange(x, &begin, &end));
-    PetscCall(VecGetArrayWrite(x, &sign));
-    for (PetscInt i = begin; i < end; i++) sign[i - begin] = MpmHash(v, i) < 0.5 ? -1 : 1;
-    PetscCall(VecRestoreArrayWrite(x, &sign));
-    PetscCall(MatMult(matrix, x, y));
-    PetscCall(VecNorm(y, NORM_INFINITY, &largest));
-    if (!(largest <= *norm)) *norm = largest; /* NaN is the largest */
-  }
-  PetscCall(VecDestroy(&x));
-  PetscCall(VecDestroy(&y));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Says how many numbers the maps have; nothing else is known. */
 static PetscErrorCode GetInfo(Mat matrix, MatInfoType type, MatInfo *info)
 {
@@ -355,7 +329,7 @@ PetscErrorCode MpmStepProgramMatrix(MpmStepProgram *program, MpmVectors *vectors
   PetscCall(MatCreateShell(r->comm, rows, columns, PETSC_DETERMINE, PETSC_DETERMINE, c, matrix));
   PetscCall(MatShellSetOperation(*matrix, MATOP_MULT, (void (*)(void))Forwards));
   PetscCall(MatShellSetOperation(*matrix, MATOP_MULT_TRANSPOSE, (void (*)(void))Backwards));
-  PetscCall(MatShellSetOperation(*matrix, MATOP_NORM, (void (*)(void))LowerNorm));
+  PetscCall(MatShellSetOperation(*matrix, MATOP_NORM, (void (*)(void))MpmNormBelow));
   PetscCall(MatShellSetOperation(*matrix, MATOP_GETINFO, (void (*)(void))GetInfo));
   PetscCall(MatShellSetOperation(*matrix, MATOP_DESTROY, (void (*)(void))Destroy));
   PetscFunctionReturn(PETSC_SUCCESS);

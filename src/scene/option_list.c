@@ -383,6 +383,8 @@ const MpmField MpmOptions[] = {
    NO_RANGE, .tasks = "spectrum, symbol, critical, map", FILE_IN(program_set), IN(65, 47, 0, 0), OF_CODE},
   {"program_base", MPM_PATH, NULL, "fields of program or plugin that are changed at all particles of its state, such as stress=-1e-3: a base state beside a switch",
    NO_RANGE, .tasks = "spectrum, symbol, critical, map", FILE_IN(program_base), OF_CODE},
+  {"program_scene", MPM_PATH, NULL, "keys of a scene, such as cells=12,fill=3,9,ppc=2: program or plugin is given its particles, by place, volume and mass (of a code that takes scenes and describes no particles 10 cells each way)",
+   NO_RANGE, .tasks = "spectrum, symbol, critical, map", FILE_IN(program_scene), OF_CODE},
   {"program_dt", MPM_PATH, NULL, "parameter of program or plugin that is its time step (default: dt)",
    NO_RANGE, FILE_IN(program_dt), .tasks = "critical, spectrum, symbol", OF_CODE},
   {"program_timeout", MPM_REAL, "60", "seconds in which program, or a function of plugin, must answer",

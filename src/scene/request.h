@@ -121,7 +121,7 @@ extern const char *const MpmNeighbourhoodNames[];
    matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the steps
                        that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
    program, plugin   - the command, or the library, of a code that takes the place of a scene; program_set: its parameters
-                       that are set, and program_base: what is added to fields; program_dt: the one that is the time step; at: steps after which it is probed;
+                       that are set, program_base: what is added to fields, and program_scene: keys of the scene whose particles it is given; program_dt: the one that is the time step; at: steps after which it is probed;
                        compare: keys of a scene that it is compared with
    program_timeout, probe - seconds in which a program must answer, and how it is probed; program_period: steps that are
                        probed together, 0 if that is not said; program_run: those that growth is measured over; program_drift: cells a step that its particles are set along,
@@ -155,7 +155,7 @@ typedef struct {
   PetscReal       program_timeout;
   MpmProbeKind    probe;
   char            program[PETSC_MAX_PATH_LEN], plugin[PETSC_MAX_PATH_LEN], program_set[PETSC_MAX_PATH_LEN];
-  char            program_base[PETSC_MAX_PATH_LEN];
+  char            program_base[PETSC_MAX_PATH_LEN], program_scene[PETSC_MAX_PATH_LEN];
   char            program_dt[PETSC_MAX_PATH_LEN], at[PETSC_MAX_PATH_LEN], compare[PETSC_MAX_PATH_LEN];
   char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
   char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];

@@ -117,7 +117,7 @@ static PetscBool Fits(const MpmTerm *term, MpmRank to, MpmRank from)
                                                                                               : PETSC_FALSE;
 }
 
-static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmLine *line, const MpmTerm *term)
+static PetscErrorCode CheckTerm(MpmCompiler *c, const MpmWrittenLine *line, const MpmTerm *term)
 {
   static const char *const makes[] = {"a scalar of a vector, or a vector of a stress or a scalar",
                                       "a stress or a scalar of a vector, or a vector of a scalar",
@@ -168,7 +168,7 @@ static PetscBool ContinuesSum(const MpmCompiler *c, PetscInt dst)
    The first sum of a step also sums the masses, which all sums are divided by. It is a P2G with the factor 1: one of the
    line's, or one to a field without a name, which then stands for the term.
 */
-static PetscErrorCode BeginMass(MpmCompiler *c, MpmLine *line)
+static PetscErrorCode BeginMass(MpmCompiler *c, MpmWrittenLine *line)
 {
   PetscInt first = line->nterms, node = MPM_NONE;
 
@@ -193,7 +193,7 @@ static PetscErrorCode BeginMass(MpmCompiler *c, MpmLine *line)
 }
 
 /* Puts the sums over particles into a field without a name, which then stands for them. */
-static PetscErrorCode SumApart(MpmCompiler *c, MpmLine *line)
+static PetscErrorCode SumApart(MpmCompiler *c, MpmWrittenLine *line)
 {
   PetscBool adds = PETSC_FALSE;
   PetscInt  node = MPM_NONE, n = 0;
@@ -211,7 +211,7 @@ static PetscErrorCode SumApart(MpmCompiler *c, MpmLine *line)
 }
 
 /* SOLVE replaces a field and has no factor. Where the line says more, a field without a name has its result. */
-static PetscErrorCode SolveApart(MpmCompiler *c, MpmLine *line, MpmTerm *term)
+static PetscErrorCode SolveApart(MpmCompiler *c, MpmWrittenLine *line, MpmTerm *term)
 {
   PetscInt node = MPM_NONE;
 
@@ -225,7 +225,7 @@ static PetscErrorCode SolveApart(MpmCompiler *c, MpmLine *line, MpmTerm *term)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscInt CountSums(const MpmLine *line)
+static PetscInt CountSums(const MpmWrittenLine *line)
 {
   PetscInt sums = 0;
 
@@ -234,7 +234,7 @@ static PetscInt CountSums(const MpmLine *line)
 }
 
 /* The term that is a multiple of the field which the line sets, or MPM_NONE. */
-static PetscInt OwnTerm(const MpmLine *line)
+static PetscInt OwnTerm(const MpmWrittenLine *line)
 {
   for (PetscInt t = 0; t < line->nterms; t++)
     if (line->term[t].kind == (line->place == MPM_ON_NODES ? MPM_COPY : MPM_ADD) && line->term[t].field == line->field)
@@ -243,7 +243,7 @@ static PetscInt OwnTerm(const MpmLine *line)
 }
 
 /* Writes 'field += terms' with a multiple of the field among them as 'field = (1 + ...) field + ...'. */
-static void MakeReplacing(MpmLine *line)
+static void MakeReplacing(MpmWrittenLine *line)
 {
   const PetscInt own = line->adds ? OwnTerm(line) : MPM_NONE;
 
@@ -254,7 +254,7 @@ static void MakeReplacing(MpmLine *line)
 }
 
 /* Keeps the old values of the field where terms read them in a way that its new values would disturb. */
-static PetscErrorCode KeepOld(MpmCompiler *c, MpmLine *line)
+static PetscErrorCode KeepOld(MpmCompiler *c, MpmWrittenLine *line)
 {
   const PetscInt own  = OwnTerm(line);
   PetscBool      keep = PETSC_FALSE, adds = PETSC_FALSE;
@@ -274,7 +274,7 @@ static PetscErrorCode KeepOld(MpmCompiler *c, MpmLine *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetNodes(MpmCompiler *c, MpmLine *line)
+static PetscErrorCode SetNodes(MpmCompiler *c, MpmWrittenLine *line)
 {
   PetscInt  sums, own;
   PetscBool adds;
@@ -331,7 +331,7 @@ static PetscErrorCode ScaleParticles(MpmCompiler *c, PetscInt field, const MpmPo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SetParticles(MpmCompiler *c, MpmLine *line)
+static PetscErrorCode SetParticles(MpmCompiler *c, MpmWrittenLine *line)
 {
   const MpmPowers none = {{0}, {PETSC_FALSE}};
   PetscInt        own;
@@ -355,7 +355,7 @@ static PetscInt TimesOf(MpmOpKind filter)
 }
 
 /* Where the nodes do not hold P2G of the field, the filter may put it there. Later lines may not read what was there. */
-static PetscErrorCode Filter(MpmCompiler *c, const MpmLine *line)
+static PetscErrorCode Filter(MpmCompiler *c, const MpmWrittenLine *line)
 {
   const char *particle = c->f->particle_fields[line->field], *node = c->f->node_fields[line->other];
 
@@ -376,7 +376,7 @@ static PetscErrorCode Filter(MpmCompiler *c, const MpmLine *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Impose(MpmCompiler *c, const MpmLine *line)
+static PetscErrorCode Impose(MpmCompiler *c, const MpmWrittenLine *line)
 {
   PetscFunctionBegin;
   if (!c->written_to[line->field])
@@ -386,7 +386,7 @@ static PetscErrorCode Impose(MpmCompiler *c, const MpmLine *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode React(MpmCompiler *c, const MpmLine *line)
+static PetscErrorCode React(MpmCompiler *c, const MpmWrittenLine *line)
 {
   const char *node = c->f->node_fields[line->field], *imposed = c->f->node_fields[line->other];
 
@@ -407,7 +407,7 @@ static PetscErrorCode React(MpmCompiler *c, const MpmLine *line)
 }
 
 /* Particles move with a velocity of the grid. It is not marked as read: without a prestress nothing reads it. */
-static PetscErrorCode Move(MpmCompiler *c, const MpmLine *line)
+static PetscErrorCode Move(MpmCompiler *c, const MpmWrittenLine *line)
 {
   const char *node = c->f->node_fields[line->field];
 
@@ -421,7 +421,7 @@ static PetscErrorCode Move(MpmCompiler *c, const MpmLine *line)
 }
 
 /* The solution has the values of what it is solved from at walls that IMPOSE has set to 0. */
-static PetscErrorCode Implicit(MpmCompiler *c, const MpmLine *line)
+static PetscErrorCode Implicit(MpmCompiler *c, const MpmWrittenLine *line)
 {
   const char *node     = c->f->node_fields[line->field];
   PetscBool   stressed = PETSC_FALSE;
@@ -444,7 +444,7 @@ static PetscErrorCode Implicit(MpmCompiler *c, const MpmLine *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCompileLine(MpmCompiler *c, MpmLine *line)
+PetscErrorCode MpmCompileLine(MpmCompiler *c, MpmWrittenLine *line)
 {
   PetscFunctionBegin;
   if (c->drifts) Refuse(c, "a line comes after DRIFT; allowed: DRIFT as the last line");

@@ -51,11 +51,11 @@ typedef struct {
   PetscBool     adds;
   PetscReal     share;
   MpmTerm       term[MPM_MOST_TERMS];
-} MpmLine;
+} MpmWrittenLine;
 
 /* Collective. Reads a line. numbers: the values of the parameters. Refuses what is not one of the language's lines. */
 PetscErrorCode MpmLineRead(const MpmWritten *written, const PetscReal numbers[], const MpmWrittenText *text,
-                           MpmLine *line);
+                           MpmWrittenLine *line);
 
 /*
    Collective. The value of the text of a parameter; found(context, name, &value) looks other parameters up and refuses
@@ -111,7 +111,7 @@ typedef struct {
 } MpmCompiler;
 
 /* Collective. Appends the operations of a line, or refuses it. */
-PetscErrorCode MpmCompileLine(MpmCompiler *compiler, MpmLine *line);
+PetscErrorCode MpmCompileLine(MpmCompiler *compiler, MpmWrittenLine *line);
 
 /* Not collective. The fields of compiler->written become those of compiler->f. */
 PetscErrorCode MpmCompilerBegin(MpmCompiler *compiler);

@@ -323,7 +323,7 @@ static PetscErrorCode Compile(MpmCompiler *c, const PetscReal numbers[])
   PetscFunctionBegin;
   PetscCall(MpmCompilerBegin(c));
   for (PetscInt i = 0; i < w->nstep; i++) {
-    MpmLine line;
+    MpmWrittenLine line;
 
     c->text = &w->step[i];
     PetscCall(MpmLineRead(w, numbers, c->text, &line));

@@ -509,7 +509,7 @@ static PetscErrorCode ReadField(Reader *r, MpmPlace wanted, PetscInt *field)
 }
 
 /* The a of IMPLICIT, a number times a power of k that is not negative. */
-static PetscErrorCode ReadImplicit(Reader *r, MpmLine *line)
+static PetscErrorCode ReadImplicit(Reader *r, MpmWrittenLine *line)
 {
   Value    sum;
   PetscInt power = 0;
@@ -525,7 +525,7 @@ static PetscErrorCode ReadImplicit(Reader *r, MpmLine *line)
 }
 
 /* A field of nodes, and how much of it: 1/2 v_i. */
-static PetscErrorCode ReadShare(Reader *r, MpmLine *line)
+static PetscErrorCode ReadShare(Reader *r, MpmWrittenLine *line)
 {
   Value          product;
   const MpmTerm *term  = &product.term[0];
@@ -540,7 +540,7 @@ static PetscErrorCode ReadShare(Reader *r, MpmLine *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadStatement(Reader *r, MpmLineKindOf kind, MpmLine *line)
+static PetscErrorCode ReadStatement(Reader *r, MpmLineKindOf kind, MpmWrittenLine *line)
 {
   const PetscBool plain   = kind == MPM_LINE_DRIFT || kind == MPM_LINE_IMPLICIT || kind == MPM_LINE_MOVE;
   const PetscBool bracket = !plain && Takes(r, '(') ? PETSC_TRUE : PETSC_FALSE;
@@ -558,7 +558,7 @@ static PetscErrorCode ReadStatement(Reader *r, MpmLineKindOf kind, MpmLine *line
 }
 
 /* The sign of '=', '+=' or '-='. */
-static PetscErrorCode ReadSign(Reader *r, MpmLine *line, PetscReal *sign)
+static PetscErrorCode ReadSign(Reader *r, MpmWrittenLine *line, PetscReal *sign)
 {
   const char c = Next(r);
 
@@ -574,7 +574,7 @@ static PetscErrorCode ReadSign(Reader *r, MpmLine *line, PetscReal *sign)
 }
 
 PetscErrorCode MpmLineRead(const MpmWritten *written, const PetscReal numbers[], const MpmWrittenText *text,
-                           MpmLine *line)
+                           MpmWrittenLine *line)
 {
   Reader    r = {.written = written, .text = text, .numbers = numbers, .at = text->text};
   char      word[WORD];
@@ -582,7 +582,7 @@ PetscErrorCode MpmLineRead(const MpmWritten *written, const PetscReal numbers[],
   Value     sum, terms = {.n = 0};
 
   PetscFunctionBegin;
-  *line = (MpmLine){.kind = MPM_LINE_SET};
+  *line = (MpmWrittenLine){.kind = MPM_LINE_SET};
   if (!BeginsWord(Next(&r))) MpmRefuseLine(written, text, "allowed: a line that begins with a field or a statement");
   PetscCall(TakeWord(&r, word));
   for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(statements); s++) {

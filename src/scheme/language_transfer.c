@@ -64,7 +64,7 @@ static void FilterText(const MpmWritten *written, MpmWritten *filter)
    What a filter may not do. fresh: the particle field other than q that the line before has set, or MPM_NONE. The march
    keeps such a field only until it has gone to the nodes.
 */
-static PetscErrorCode CheckLine(const MpmCompiler *c, const MpmLine *line, PetscInt fresh)
+static PetscErrorCode CheckLine(const MpmCompiler *c, const MpmWrittenLine *line, PetscInt fresh)
 {
   const MpmWritten     *w     = c->written;
   const MpmWrittenText *text  = c->text;
@@ -116,7 +116,7 @@ static PetscErrorCode CompileLines(MpmCompiler *c, const PetscReal numbers[])
   c->has_mass = c->written_to[0] = PETSC_TRUE;
   c->holds[0]                    = 0;
   for (PetscInt l = 0; l < w->nstep; l++) {
-    MpmLine line;
+    MpmWrittenLine line;
 
     c->text = &w->step[l];
     PetscCall(MpmLineRead(w, numbers, c->text, &line));

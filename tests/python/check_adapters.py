@@ -26,34 +26,32 @@ PLACES = range(1, 6)
 
 # language: file, how it is compiled, option, and what is put in the five places
 C_FIELDS = '"{\\"name\\": \\"x\\", \\"size\\": 1, \\"place\\": true}, {\\"name\\": \\"v\\", \\"size\\": 1, \\"scale\\": 1}, {\\"name\\": \\"stress\\", \\"size\\": 1, \\"scale\\": 1}"'
-C_GRID = '"\\"dim\\": 1, \\"cell_width\\": 0.0625, \\"periodic\\": [1.0]"'
 ADAPTERS = {
     "python": ("mine.py", None, ["-program", f"{sys.executable} mine.py"], [
-        "import bar; state = bar.start(0)", "cell_width, periodic = bar.H, [1.0]", 'parameters = {"dt": bar.DT}',
+        "import bar; state = {name: numpy.zeros(1) for name in bar.start(0)}", "cell_width = bar.H", 'parameters = {"dt": bar.DT}',
         'fields = {"x": {"place": True}, "v": {"scale": 1}, "stress": {"scale": 1}}', "step = bar.advance"]),
     "octave": ("mine.m", None, ["-program", "octave-cli -q mine.m"], [
-        "state = struct('x', ((0:31).' + 0.5) / 32, 'v', zeros(32, 1), 'stress', zeros(32, 1));",
-        "about = struct('cell_width', 1 / 16, 'periodic', 1, 'name', 'mine');", "about.parameters = struct('dt', 1 / 32);",
+        "state = struct('x', 0, 'v', 0, 'stress', 0);",
+        "about = struct('cell_width', 1 / 16, 'scenes', true, 'name', 'mine');", "about.parameters = struct('dt', 1 / 32);",
         "[about.place, about.scale] = deal('x', struct('v', 1, 'stress', 1));",
         "function s = one(s, p), [s.x, s.v, s.stress] = advance(s.x, s.v, s.stress, 1 / 16, p.dt); end\nstep = @one;"]),
     "c": ("mine.c", [CC, "-std=c11", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-o", "libmine_c.so", "mine.c", "-lm"], ["-plugin", "./libmine_c.so"], [
         '#define start start_of_bar\n#define advance advance_of_bar\n#define p bar\n#define dt dt_of_bar\n#include "bar.h"\n#undef start\n#undef advance\n#undef p\n#undef dt',
-        f"static const char fields[] = {C_FIELDS};", f"static const char grid[] = {C_GRID};", "static double dt = 1.0 / 32;",
-        "static int start(Particle p[]) { start_of_bar(0); memcpy(p, bar, sizeof bar); return 0; }\n"
-        "static int advance(Particle p[]) { memcpy(bar, p, sizeof bar); dt_of_bar = dt; advance_of_bar(dt_of_bar); memcpy(p, bar, sizeof bar); return 0; }"]),
+        f"static const char fields[] = {C_FIELDS};", "enum { DIM = 1 };\nstatic const double cell_width = 0.0625;", "static double dt = 1.0 / 32;",
+        "static int rest(Particle *p, const double place[], double volume, double mass) { (void)volume, (void)mass, (void)start_of_bar; *p = (Particle){place[0], 0, 0}; return 0; }\n"
+        "static int advance(Particle p[], int64_t n) { if (n != PARTICLES || period[0] != 1) return 1; memcpy(bar, p, sizeof bar); dt_of_bar = dt; advance_of_bar(dt_of_bar); memcpy(p, bar, sizeof bar); return 0; }"]),
     "fortran": ("mine.f90", ["gfortran", "-Wall", "-fPIC", "-shared", "-o", "libmine_f.so", CODE / "bar.f90", "mine.f90"], ["-plugin", "./libmine_f.so"], [
-        "integer, parameter :: particles = 32, numbers = 3",
+        "integer, parameter :: numbers = 3",
         'character(*), parameter :: fields = \'{"name": "x", "size": 1, "place": true}, {"name": "v", "size": 1, "scale": 1},\'// &\n'
         '                                  \'{"name": "stress", "size": 1, "scale": 1}\'',
-        'character(*), parameter :: grid = \'"dim": 1, "cell_width": 0.0625, "periodic": [1.0]\'', "real(c_double) :: dt = 1d0/32",
-        "subroutine start(p, failed)\n use bar, only: begin => start, x, v, stress\n real(c_double), intent(out) :: p(numbers, particles)\n integer, intent(out) :: failed\n"
-        " call begin(0d0); p(1, :) = x; p(2, :) = v; p(3, :) = stress; failed = 0\nend subroutine\n"
-        "subroutine advance(p, failed)\n use bar, only: go => advance, x, v, stress, dt_of_bar => dt\n real(c_double), intent(inout) :: p(numbers, particles)\n integer, intent(out) :: failed\n"
+        "integer, parameter :: dim = 1\nreal(c_double) :: cell_width = 0.0625d0", "real(c_double) :: dt = 1d0/32",
+        "subroutine rest(p, place, volume, mass, failed)\n real(c_double), intent(out) :: p(numbers)\n real(c_double), intent(in) :: place(dim), volume, mass\n integer, intent(out) :: failed\n"
+        " p = 0; p(1) = place(1); failed = merge(0, 1, abs(volume - 1d0/32) < 1d-15 .and. mass == volume)\nend subroutine\n"
+        "subroutine advance(p, failed)\n use bar, only: go => advance, x, v, stress, dt_of_bar => dt\n real(c_double), intent(inout) :: p(:, :)\n integer, intent(out) :: failed\n"
         " x = p(1, :); v = p(2, :); stress = p(3, :); dt_of_bar = dt; call go()\n p(1, :) = x; p(2, :) = v; p(3, :) = stress; failed = 0\nend subroutine"]),
     "javascript": ("mine.js", None, ["-program", "node mine.js"], [
-        "const state = { x: [], v: [], stress: [] };\nfor (let i = 0; i < 32; i++) { state.x.push([(i + 0.5) / 32]); state.v.push([0]); state.stress.push([0]); }",
-        "const grid = { dim: 1, cell_width: 1 / 16, periodic: [1] };", "const parameters = { dt: 1 / 32 };",
-        "const known = { x: { place: true }, v: { scale: 1 }, stress: { scale: 1 } };",
+        "const rest = { x: [0], v: [0], stress: [0] };", "const grid = { dim: 1, cell_width: 1 / 16 };", "const parameters = { dt: 1 / 32 };",
+        "const roles = { place: 'x' };",
         """function step(s, { dt }) {
   const cells = 16, h = 1 / cells, mass = Array(cells).fill(0), momentum = Array(cells).fill(0), force = Array(cells).fill(0);
   const visit = (p, f) => { const c = Math.floor(s.x[p][0] / h), w = s.x[p][0] / h - c, a = (c + cells) % cells; f(a, 1 - w, -1 / h); f((a + 1) % cells, w, 1 / h); };
@@ -100,7 +98,7 @@ def check_language(language, expected):
         pathlib.Path(path).write_text(to, encoding="utf-8")
         if compiler:
             ran(*compiler, *([f"-I{CODE}"] if language == "c" else []))
-        words = [MPMSTAB, "spectrum", *option, "-write_matrix", "probed.mtx"]
+        words = [MPMSTAB, "spectrum", *option, "-program_scene", "cells=16", "-write_matrix", "probed.mtx"]
         if said:
             check(said in ran(*words, fails=True), f"{language}: an adapter that is not filled in does not name the place")
         else:
@@ -113,7 +111,7 @@ def check_language(language, expected):
 
 
 def check_batch(language, command):
-    """Two states in one request give what a request for each gives."""
+    """Two states in one request give what a request for each gives. Only the adapter of the page alone has particles of its own."""
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env={**ENVIRONMENT, "MPMSTAB_ASKS": "1"}) as code:
         def ask(message, numbers=0, *states):
             code.stdin.write(json.dumps(message).encode() + b"\n" + b"".join(state.tobytes() for state in states))
@@ -122,7 +120,12 @@ def check_batch(language, command):
             check("error" not in head and "failure" not in head, f"{language}: {head}")
             return head, numpy.frombuffer(code.stdout.read(8 * numbers))
 
-        head, base = ask({"do": "describe"}, 3 * 32)
+        head, base = ask({"do": "describe"}, 0 if language in ADAPTERS else 3 * 32)
+        if language in ADAPTERS:
+            check(head["scenes"] and "particles" not in head, f"{language}: {head}")
+            given = numpy.stack([(numpy.arange(32) + 0.5) / 32, numpy.full(32, 1 / 32), numpy.full(32, 1 / 32)], 1)
+            base = ask({"do": "scene", "particles": 32, "cell_width": 1 / 16, "periodic": [1.0]}, 3 * 32, given)[1]
+            check(numpy.array_equal(base.reshape(32, 3), given * [1, 0, 0]), f"{language}: the state of a scene")
         check(head.get("batch", 1) >= 2, f"{language}: takes no two states in one request: {head}")
         other = base + 1e-3 * numpy.sin(numpy.arange(base.size))
         each = [ask({"do": "step", "steps": 2}, base.size, state)[1] for state in (base, other)]

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks -program against scenes of the same schemes, and that what is wrong with a code is noticed.
 
-check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, mls, faults, strange, failures,
+check_program.py PART MPIEXEC MPMSTAB, in a folder that may be filled. PART: steps, scenes, mls, faults, strange, failures,
 page, map, free, compare, moving, run or asked. Silent when all is well.
 """
 import csv
@@ -98,6 +98,45 @@ def check_at():
     check([one["step"] for one in found["states"]] == [0, 3], f"states: {found['states']}")
     near("states", found["states"][0]["growth"], found["states"][1]["growth"], 1e-7)
     near("share of the mode's particles", sum(one["share"] <= 1 for one in found["carriers"]), 3)
+
+
+def check_scenes():
+    """A code that is one function is given the particles of our scenes: its operator is that of usl on the same ones."""
+    os.environ["PYTHONPATH"] = os.path.join(HERE, "..", "..", "scripts", "python")
+    code = ["-program", program("program_scene.py")]
+    for keys, ranks in (("cells=16", 2), ("cells=16,fill=3,9", 1), ("cells=12,jitter=0.3,seed=2", 3), ("cells=12,counts=1,3", 1),
+                        ("cells=8,fill=3,4,ppc=1,offset=0.2", 1), ("cells=9,layout=random,seed=4", 2)):
+        ours = [word for pair in re.split(r",(?=[a-z])", keys) for word in zip(("-" + pair.partition("=")[0],), (pair.partition("=")[2],))]
+        run("spectrum", "-formulation", "usl", "-courant", "0.5", *sum(map(list, ours), []), "-measure", "false", "-write_matrix", "scene.npz")
+        right = scipy.sparse.load_npz("scene.npz").toarray()
+        found = run("spectrum", *code, "-program_scene", keys, "-write_matrix", "code.npz", ranks=ranks)
+        lone = "offset" in keys  # its place is read: the force on one particle depends on it
+        theirs = scipy.sparse.load_npz("code.npz").toarray()
+        if lone:
+            check(len(theirs) > len(right) and found["verdict"] == "stable", f"{keys}: {theirs.shape}, {found['verdict']}")
+        else:
+            near(f"{keys}, {ranks} ranks", abs(theirs - right).max(), 0, 1e-8)
+    heavy = ["-density", "2", "-young", "1"]  # the code has its own stiffness, 1, and takes the masses
+    right = run("spectrum", "-formulation", "usl", "-cells", "16", "-cell_width", "0.5", "-dt", "0.6", *heavy, "-measure", "false")["growth"]
+    found = run("spectrum", *code, "-program_set", "dt=0.6", "-program_scene", "cells=16,density=2,young=1")["growth"]
+    near("growth of heavy particles", found, right, 1e-9)
+    check(right > 1.1, f"growth of heavy particles: {right}")
+    limits = run("critical", *code)["critical"]["limits"]
+    for name, right in (("interior", 4 / 7), ("lone_particle", 3 / 8)):
+        near(name, limits[name] / 0.5, right**0.5, 2e-6)
+    check(list(run("critical", *code, "-probe", "bloch")["critical"]["limits"]) == ["interior"], "parts are sought with -probe bloch")
+    same = run("symbol", *code, "-program_scene", "cells=10,ppc=3", "-compare", "formulation=usl,wave_speed=1")["comparison"]
+    check(same["same"], f"compared with ours: {same}")
+    run("symbol", "-program", program("program_scene.py", "6"), "-program_scene", "ppc=1")
+    for words, said in (([*code, "-program_scene", "cells"], "keys of a scene"), ([*code, "-program_scene", "cells=8,dim=2"], "those of the code"),
+                        ([*code, "-program_scene", "cels=8"], "unknown key 'cels'"),
+                        (["-program", program("program_scene.py", "6"), "-program_scene", "cells=8"], "allowed: 12 cells"),
+                        (["-program", program("program_steps.py", "usl"), "-program_scene", "cells=8"], "the code takes no scenes")):
+        for ranks in (1, 2):
+            answer = run("symbol", *words, status=2, ranks=ranks)
+            check(said in answer and answer.count("mpmstab:") == 1, f"{words}: {answer}")
+    said = run("symbol", "-cells", "8", "-program_scene", "cells=8", status=2)
+    check("allowed: only with program or plugin" in said, f"a scene for a scene: {said}")
 
 
 def check_mls():
@@ -537,4 +576,4 @@ def check_asked():
         near(f"block {d}", abs(A - one[d]).max(), 0)
 
 
-{"page": check_page, "map": check_map, "free": check_free, "compare": check_compare, "moving": check_moving, "run": check_run, "asked": check_asked, "steps": check_steps, "mls": check_mls, "faults": check_faults, "strange": check_strange, "failures": check_failures}[sys.argv[1]]()
+{"page": check_page, "scenes": check_scenes, "map": check_map, "free": check_free, "compare": check_compare, "moving": check_moving, "run": check_run, "asked": check_asked, "steps": check_steps, "mls": check_mls, "faults": check_faults, "strange": check_strange, "failures": check_failures}[sys.argv[1]]()

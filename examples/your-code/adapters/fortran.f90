@@ -3,37 +3,40 @@
 !   gfortran -O2 -fPIC -shared -o libmine.so mine.f90
 !   mpmstab spectrum -plugin ./libmine.so
 !
-! The four functions are those of mpmstab/plugin.h.
+! mpmstab chooses the particles: 10 cells each way with 2 particles each way, or those of -program_scene. The functions
+! are those of mpmstab/plugin.h.
 module mine
   use iso_c_binding
   implicit none
 
-  ! FILL 1: the number of particles, and of numbers of a particle: all that a step changes and a later step reads.
-  integer, parameter :: particles = 8, numbers = 7
+  ! FILL 1: how many numbers a particle has: all that a step changes and a later step reads, and what else differs.
+  integer, parameter :: numbers = 9
 
-  ! FILL 2: the fields of a particle in their order. One is the place. Where you know it, add the size of a usual change: "scale": 20.
+  ! FILL 2: the fields of a particle in their order, with how many numbers each has. One of them is the place.
   character(*), parameter :: fields = '{"name": "x", "size": 2, "place": true}, {"name": "v", "size": 2},'// &
-                                      '{"name": "stress", "size": 3}'
+                                      '{"name": "stress", "size": 3}, {"name": "volume", "size": 1}, {"name": "mass", "size": 1}'
 
-  ! FILL 3: the number of directions, the width of a cell, and the period of each direction (null: it has no period).
-  character(*), parameter :: grid = '"dim": 2, "cell_width": 0.1, "periodic": [null, null]'
+  ! FILL 3: the number of directions, and the width of a cell.
+  integer, parameter :: dim = 2
+  real(c_double)     :: cell_width = 0.1d0
 
   ! FILL 4: a parameter that mpmstab may set, with the value of your code.
   real(c_double) :: dt = 1d-4
 
-  real(c_double), target         :: base(numbers, particles)
+  real(c_double)                 :: period(dim) ! mpmstab fills in: of the grid in each direction, 0 where there is none
   character(kind=c_char), target :: text(4096), wrong(64)
 
 contains
 
-  ! FILL 5: the particles at the start, and one step, which keeps nothing but p. Set failed to 0 in both.
-  subroutine start(p, failed)
-    real(c_double), intent(out) :: p(numbers, particles)
+  ! FILL 5: a particle at rest, and one step of all particles, which keeps nothing but p. Set failed to 0 in both.
+  subroutine rest(p, place, volume, mass, failed)
+    real(c_double), intent(out) :: p(numbers)
+    real(c_double), intent(in)  :: place(dim), volume, mass
     integer, intent(out)        :: failed
-    p = 0; failed = 1
+    p = volume*mass*place(1); failed = 1
   end subroutine
   subroutine advance(p, failed)
-    real(c_double), intent(inout) :: p(numbers, particles)
+    real(c_double), intent(inout) :: p(:, :)
     integer, intent(out)          :: failed
     p = 0*p; failed = 1
   end subroutine
@@ -41,19 +44,32 @@ contains
   type(c_ptr) function describe(state) bind(c, name='mpmstab_describe')
     type(c_ptr), intent(out) :: state
     character(4096)          :: line
-    character(64)            :: counted, value
-    integer                  :: failed
+    character(64)            :: directions, width, value
 
-    describe = c_null_ptr
-    state = c_loc(base)
-    call start(base, failed)
-    if (failed /= 0) return
-    write (counted, '(i0)') particles
+    state = c_null_ptr
+    write (directions, '(i0)') dim
+    write (width, '(es25.17)') cell_width
     write (value, '(es25.17)') dt
-    line = '{"protocol": 1, "name": "mine", '//grid//', "particles": '//trim(counted)//', "fields": ['//fields// &
-           '], "parameters": {"dt": '//trim(adjustl(value))//'}, "steps": 1}'//c_null_char
+    line = '{"protocol": 1, "name": "mine", "scenes": true, "dim": '//trim(directions)//', "cell_width": '// &
+           trim(adjustl(width))//', "fields": ['//fields//'], "parameters": {"dt": '//trim(adjustl(value))//'}}'// &
+           c_null_char
     text = transfer(line, text)
     describe = c_loc(text)
+  end function
+
+  integer(c_int) function scene(message, count, periods, given, state) bind(c, name='mpmstab_scene')
+    type(c_ptr), value          :: message
+    integer(c_int64_t), value   :: count
+    real(c_double), intent(in)  :: periods(dim), given(dim + 2, count)
+    real(c_double), intent(out) :: state(numbers, count)
+    integer(c_int64_t)          :: i
+
+    scene = 0
+    period = periods
+    do i = 1, count
+      if (scene == 0) call rest(state(:, i), given(:dim, i), given(dim + 1, i), given(dim + 2, i), scene)
+    end do
+    if (.not. c_associated(message)) scene = 1
   end function
 
   integer(c_int) function set(name, value) bind(c, name='mpmstab_set')
@@ -72,18 +88,16 @@ contains
     real(c_double), intent(inout) :: state(numbers, count)
     integer                       :: n
 
-    step = 1
-    if (count /= particles) return
+    step = 0
     do n = 1, steps
-      call advance(state, step)
-      if (step /= 0) return
+      if (step == 0) call advance(state, step)
     end do
   end function
 
   type(c_ptr) function error() bind(c, name='mpmstab_error')
     character(64) :: line
 
-    line = 'FILL 5: the start and one step of your code'//c_null_char
+    line = 'FILL 5: a particle at rest and one step of your code'//c_null_char
     wrong = transfer(line, wrong)
     error = c_loc(wrong)
   end function
