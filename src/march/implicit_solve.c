@@ -14,9 +14,7 @@
    Source: Gast, Schroeder, Stomakhin, Jiang and Teran 2015, optimization integrator; Stomakhin et al. 2013, section 4
 */
 #include "march/implicit_solve.h"
-#include "march/stencils.h"
 #include "scheme/deform.h"
-#include "scheme/maps.h"
 #include <mpmstab/errors.h>
 #include <float.h>
 
@@ -113,94 +111,6 @@ static PetscErrorCode Multiply(Mat matrix, Vec x, Vec y)
   PetscCall(RunPass(s, x, y));
   PetscCall(VecScale(y, s->a));
   PetscCall(Weigh(s->march, x, PETSC_TRUE, y));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- the preconditioner's matrix ---- */
-
-/* The block of two nodes of a particle, times a number. */
-static void Block(const MpmImplicitSolve *s, PetscReal times, const PetscReal to[], const PetscReal from[],
-                  PetscReal block[])
-{
-  const PetscInt dim = s->march->layout->dim;
-
-  for (PetscInt c = 0; c < dim; c++)
-    for (PetscInt a = 0; a < dim; a++) {
-      PetscReal sum = 0;
-
-      for (PetscInt b = 0; b < dim; b++)
-        for (PetscInt d = 0; d < dim; d++) sum += s->term[c][b][a][d] * to[c * dim + b] * from[a * dim + d];
-      block[c * dim + a] = times * sum;
-    }
-}
-
-/* The term of a particle at finite deformation. */
-static void SetTerm(MpmImplicitSolve *s, PetscInt p)
-{
-  const PetscInt dim = s->k->dim, n = dim * dim;
-
-  for (PetscInt i = 0; i < n * n; i++) {
-    const PetscInt r = i / n, c = i % n;
-
-    s->term[r / dim][r % dim][c / dim][c % dim] = s->tangent[(n * c + r) * s->room + p];
-  }
-}
-
-/* Adds all particles' parts of a M K. */
-static PetscErrorCode AddParticles(MpmImplicitSolve *s)
-{
-  const PetscInt  dim = s->march->layout->dim, origin = s->march->grid->origin;
-  const MpmSlopes slopes = {.layout = s->march->layout,
-                            .basis  = s->march->scheme->basis,
-                            .grid   = s->march->grid,
-                            .kind   = s->slope,
-                            .parity = s->k->parity + s->k->solved};
-  const PetscInt  most   = MpmSlopesMost(&slopes);
-  PetscInt       *node;
-  PetscReal      *shape, *slope;
-  MpmMarchArrays  arrays = {.march = s->march};
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc3(most, &node, most, &shape, most * dim * dim, &slope));
-  PetscCall(MpmMarchGetArrays(s->march, s->step, &arrays));
-  for (PetscInt p = 0; p < s->march->particles->count; p++) {
-    const PetscReal *volume = arrays.weight[MPM_VOLUME], *stiffness = s->snes ? NULL : arrays.weight[MPM_STIFFNESS];
-    const PetscReal  times = s->a * (volume ? volume[p] : 1) * (stiffness ? stiffness[p] : 1);
-    PetscReal        block[MPM_MAX_DIM * MPM_MAX_DIM], at[MPM_MAX_DIM];
-    PetscInt         in[MPM_MAX_DIM], n;
-
-    for (PetscInt a = 0; a < dim; a++)
-      MpmMarchPlaces(&arrays, a, 1, &arrays.cell[a][p], &arrays.xi[a][p], 0, &in[a], &at[a]);
-    n = MpmSlopesAt(&slopes, PETSC_FALSE, in, at, node, shape, slope);
-    for (PetscInt i = 0; i < n; i++) node[i] += origin;
-    if (s->snes) SetTerm(s, p);
-    for (PetscInt i = 0; i < n; i++)
-      for (PetscInt j = 0; j < n; j++) {
-        if (!s->whole && node[i] != node[j]) continue;
-        Block(s, times, slope + i * dim * dim, slope + j * dim * dim, block);
-        PetscCall(MatSetValuesBlockedLocal(s->blocks, 1, &node[i], 1, &node[j], block, ADD_VALUES));
-      }
-  }
-  PetscCall(MpmMarchRestoreArrays(s->march, &arrays));
-  PetscCall(PetscFree3(node, shape, slope));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The preconditioner's matrix, at the particles as they are. */
-static PetscErrorCode Assemble(MpmImplicitSolve *s)
-{
-  Vec masses;
-
-  PetscFunctionBegin;
-  PetscCall(MatZeroEntries(s->blocks));
-  PetscCall(AddParticles(s));
-  PetscCall(MatAssemblyBegin(s->blocks, MAT_FINAL_ASSEMBLY));
-  PetscCall(MatAssemblyEnd(s->blocks, MAT_FINAL_ASSEMBLY));
-  PetscCall(VecDuplicate(s->right, &masses));
-  PetscCall(VecSet(masses, 1));
-  PetscCall(Weigh(s->march, NULL, PETSC_TRUE, masses));
-  PetscCall(MatDiagonalSet(s->blocks, masses, ADD_VALUES));
-  PetscCall(VecDestroy(&masses));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -321,7 +231,7 @@ static PetscErrorCode Tangent(SNES snes, Vec a, Mat J, Mat blocks, void *context
   PetscCall(SNESGetIterationNumber(snes, &iteration));
   if (iteration) PetscFunctionReturn(PETSC_SUCCESS); /* what the preconditioner is made of serves for all of a step */
   s->a = k * k * s->k->theta * s->march->scheme->space.stiffness;
-  PetscCall(Assemble(s));
+  PetscCall(MpmImplicitBlocksFill(s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -433,58 +343,6 @@ static PetscErrorCode Newton(MpmImplicitSolve *s)
 
 /* ---- set-up ---- */
 
-/* The terms of K: a gather to scratch, and each sum of that scratch. */
-static void FindTerms(MpmImplicitSolve *s)
-{
-  const MpmTable *k = s->k;
-
-  for (const MpmOp *grad = k->ops; grad < k->ops + k->nops; grad++) {
-    const MpmOpTraits to = MpmOpTraitsOf(grad->kind);
-
-    if (to.src != MPM_ON_NODES || to.dst != MPM_ON_PARTICLES) continue;
-    s->slope = grad->kind;
-    for (const MpmOp *div = grad + 1; div < k->ops + k->nops; div++) {
-      const MpmOpTraits from = MpmOpTraitsOf(div->kind);
-
-      if (from.src == MPM_ON_PARTICLES && from.dst == MPM_ON_NODES && div->src == grad->dst)
-        s->term[div->dst - k->image][div->axis][grad->src - k->solved][grad->axis] += div->factor * grad->factor;
-    }
-  }
-}
-
-static PetscErrorCode CreateBlocks(MpmImplicitSolve *s, PetscInt own)
-{
-  const PetscInt         dim = s->march->layout->dim, reach = MpmMapReach(s->march->scheme->basis);
-  PetscInt               width = 1, all;
-  ISLocalToGlobalMapping nodes, map;
-  const PetscInt        *index;
-  PetscInt               n;
-
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim && s->whole; a++) width *= 2 * reach - 1;
-  all   = MpmLayoutNodes(s->march->layout);
-  width = PetscMin(width, all);
-  PetscCall(MatCreate(PetscObjectComm((PetscObject)s->march->grid->da), &s->blocks));
-  PetscCall(MatSetSizes(s->blocks, dim * own, dim * own, PETSC_DETERMINE, PETSC_DETERMINE));
-  PetscCall(MatSetBlockSize(s->blocks, dim));
-  PetscCall(MatSetType(s->blocks, s->whole ? MATAIJ : MATBAIJ));
-  PetscCall(MatXAIJSetPreallocation(s->blocks, dim, NULL, NULL, NULL, NULL));
-  PetscCall(MatSeqAIJSetPreallocation(s->blocks, dim * width, NULL));
-  PetscCall(MatMPIAIJSetPreallocation(s->blocks, dim * width, NULL, s->whole ? dim * width : 0, NULL));
-  PetscCall(MatSeqBAIJSetPreallocation(s->blocks, dim, width, NULL));
-  PetscCall(MatMPIBAIJSetPreallocation(s->blocks, dim, width, NULL, 0, NULL));
-  PetscCall(MatSetOption(s->blocks, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
-  PetscCall(DMGetLocalToGlobalMapping(s->march->grid->da, &nodes));
-  PetscCall(ISLocalToGlobalMappingGetSize(nodes, &n));
-  PetscCall(ISLocalToGlobalMappingGetIndices(nodes, &index));
-  PetscCall(
-      ISLocalToGlobalMappingCreate(PetscObjectComm((PetscObject)s->blocks), dim, n, index, PETSC_COPY_VALUES, &map));
-  PetscCall(ISLocalToGlobalMappingRestoreIndices(nodes, &index));
-  PetscCall(MatSetLocalToGlobalMapping(s->blocks, map, map));
-  PetscCall(ISLocalToGlobalMappingDestroy(&map));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* K is symmetric, about a prestress and at finite deformation too: forces have a potential (Newton's method). */
 static PetscErrorCode CreateSolver(MpmImplicitSolve *s)
 {
@@ -519,11 +377,10 @@ PetscErrorCode MpmImplicitSolveCreate(MpmMarch *march, const MpmTable *k, MpmImp
   s->march = march;
   s->k     = k;
   s->step  = -1;
-  if (!MpmTableIsFinite(k)) FindTerms(s);
   PetscCall(MpmScheduleCompile(k, march->scheme->basis, march->layout, 1, PETSC_FALSE, PETSC_TRUE, &s->schedule));
   PetscCheck(s->schedule.npasses == 1, PETSC_COMM_SELF, PETSC_ERR_PLIB, "a product with K takes one pass");
   PetscCall(CreateSolver(s));
-  PetscCall(CreateBlocks(s, own));
+  PetscCall(MpmImplicitBlocksCreate(s));
   PetscCall(MatCreateShell(PetscObjectComm((PetscObject)march->grid->da), dim * own, dim * own, PETSC_DETERMINE,
                            PETSC_DETERMINE, s, &s->shell));
   PetscCall(MatCreateVecs(s->blocks, &s->solution, &s->right));
@@ -592,7 +449,7 @@ PetscErrorCode MpmImplicitSolveApply(MpmMarch *march, PetscInt64 step, const Mpm
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   s->a = op->a;
-  if (anew) PetscCall(Assemble(s));
+  if (anew) PetscCall(MpmImplicitBlocksFill(s));
   PetscCall(Copy(march, s->k->solved, PETSC_TRUE, s->right));
   PetscCall(Weigh(march, NULL, PETSC_FALSE, s->right));
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));

@@ -58,6 +58,15 @@ PetscErrorCode MpmImplicitSolveCreate(MpmMarch *march, const MpmTable *k, MpmImp
 PetscErrorCode MpmImplicitSolveDestroy(MpmImplicitSolve **solve);
 
 /*
+   MpmImplicitBlocksCreate - makes blocks, of the kind that whole says, and finds slope and term (implicit_blocks.c).
+   MpmImplicitBlocksFill   - fills blocks with M + a M K at the places of step.
+
+   Collective.
+*/
+PetscErrorCode MpmImplicitBlocksCreate(MpmImplicitSolve *solve);
+PetscErrorCode MpmImplicitBlocksFill(MpmImplicitSolve *solve);
+
+/*
    MpmImplicitSolveApply - the march's node registers of an operation become the solution, with particles at the places of a step.
 
    Collective. Where it does not converge, march->failure says so.

@@ -209,7 +209,7 @@ PetscBool MpmStencilsNext(MpmStencils *s)
   return PETSC_TRUE;
 }
 
-PetscErrorCode MpmStencilsCreate(MpmMarch *march, MpmStencils *s)
+PetscErrorCode MpmStencilsCreate(MpmMarch *march, PetscInt64 step, MpmStencils *s)
 {
   PetscInt most;
 
@@ -228,7 +228,7 @@ PetscErrorCode MpmStencilsCreate(MpmMarch *march, MpmStencils *s)
   most = MpmSlopesMost(&s->slopes);
   PetscCall(PetscMalloc4(MPM_STENCILS * most, &s->node, MPM_STENCILS * most, &s->S,
                          MPM_STENCILS * most * s->dim * s->dim, &s->g, (1 + s->dim * s->dim) * most, &s->memory));
-  PetscCall(MpmMarchGetArrays(march, march->particles->step, &s->at));
+  PetscCall(MpmMarchGetArrays(march, step, &s->at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -63,11 +63,11 @@ typedef struct {
 } MpmStencils;
 
 /*
-   MpmStencilsCreate - of a march's particles at their present places; the march must not change meanwhile.
+   MpmStencilsCreate - of a march's particles at the places of a step; the march must not change meanwhile.
    MpmStencilsNext   - the next particles; false: there are no more, and the next call begins anew.
 
    Not collective.
 */
-PetscErrorCode MpmStencilsCreate(MpmMarch *march, MpmStencils *stencils);
+PetscErrorCode MpmStencilsCreate(MpmMarch *march, PetscInt64 step, MpmStencils *stencils);
 PetscErrorCode MpmStencilsDestroy(MpmStencils *stencils);
 PetscBool      MpmStencilsNext(MpmStencils *stencils);

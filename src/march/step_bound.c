@@ -665,7 +665,7 @@ static PetscErrorCode Begin(MpmMarch *march, const MpmStepBounds *b, Pass *s)
               .own        = space->dim * MpmGridNodes(march->grid),
               .lambda     = LambdaOf(space),
               .mu         = (1 - LambdaOf(space)) / 2};
-  PetscCall(MpmStencilsCreate(march, &s->at));
+  PetscCall(MpmStencilsCreate(march, march->particles->step, &s->at));
   PetscCall(PetscMalloc3(count, &s->weight, count, &s->value, count, &s->stiffness));
   s->mass    = s->at.at.weight[MPM_MASS];
   s->volume  = s->at.at.weight[MPM_VOLUME];
