@@ -2,7 +2,7 @@
 """Looks for random moving scenes in which a step grows, and says how many grow and by how much.
 
 quiet_search.py FORMULATION [--scenes N] [--seed N] [--dim 1|2] [--from DRIFT] [--to DRIFT] [--validate N] [--worst N]
-                [--transfer NAME] [--basis NAME] [--share LEAST]
+                [--transfer NAME] [--basis NAME] [--share LEAST] [--phases N]
 quiet_search.py --table | --check FILE [--all]
 
 FORMULATION is usl, musl, verlet, rk4 or kg5. A scene is a periodic box of 4 to 10 cells in one dimension or of 4 x 4 in two,
@@ -15,10 +15,12 @@ period has. A scene grows if the spectral radius of its period is above 1 + 1e-6
 not written here: aflip, fmpm, tpic.
 
 The steps are written anew here, with numpy. --validate N compares N scenes with 'mpmstab spectrum', and all scenes that
-are printed are computed by it, too. --table prints the shares of transfers, of 1600 scenes in one dimension each. The numbers
+are printed are computed by it, too. A box holds its own waves alone: with --phases N the box is repeated N times in each direction,
+which has all waves of a larger box (scenes that are compared with mpmstab have N = 1). --table prints the shares of transfers, of 1600 scenes in one dimension each. The numbers
 are those of docs/ringing.md. --check FILE validates scenes of each formulation, dimension and transfer, and refuses a
 file that lacks two of the rows. The environment variable MPMSTAB names the program.
 """
+import itertools
 import math
 import os
 import sys
@@ -122,16 +124,22 @@ def spline(basis, d):
 
 
 class Grid:
-    """The frozen grid of one step: its weights, and the maps between particles and nodes."""
+    """The frozen grid of one step: its weights, and the maps between particles and nodes.
 
-    def __init__(self, family, x):
+    phase: by how much a wave differs from the box to the next one, along each direction. None: the box is periodic.
+    """
+
+    def __init__(self, family, x, phase=None):
         n, dim = family["cells"], family["dim"]
-        values, slopes, arms = [], [], []
+        values, slopes, arms, bare = [], [], [], []
         for axis in range(dim):
-            d = (x[:, :, axis, None] - np.arange(n) + n / 2) % n - n / 2
+            away = x[:, :, axis, None] - np.arange(n)
+            d = (away + n / 2) % n - n / 2
             value, slope = spline(family["basis"], d)
-            values.append(value)
-            slopes.append(slope)
+            turn = np.exp(1j * phase[axis] * np.round((away - d) / n)) if phase else 1.0
+            bare.append(value)
+            values.append(value * turn)
+            slopes.append(slope * turn)
             arms.append(-d)
 
         def product(factors):
@@ -142,13 +150,13 @@ class Grid:
         self.weight = product(values)
         count = [c for _, _, c in sites(family)[0]]
         self.mass = np.broadcast_to(1 / np.prod([np.broadcast_to(c, x.shape[1]) for c in count], axis=0), x.shape[:2])
-        self.node_mass = np.einsum("bpi,bp->bi", self.weight, self.mass)
+        self.node_mass = np.einsum("bpi,bp->bi", product(bare), self.mass)
         self.inverse = np.where(self.node_mass > 0, 1 / np.where(self.node_mass > 0, self.node_mass, 1), 0)
         self.arm, self.slope = [], []
         for axis in range(dim):
             one = np.ones_like(values[0])
             lever = self.weight * product([arms[axis] if b == axis else one for b in range(dim)])
-            second = np.sum(values[axis] * arms[axis] ** 2, axis=2)[:, :, None]
+            second = np.sum(bare[axis] * arms[axis] ** 2, axis=2)[:, :, None]
             self.arm.append((lever, lever / np.where(second > 0, second, 1)))
             self.slope.append(self.arm[axis][1] if family["gradient"] == "mls" else
                               product([slopes[b] if b == axis else values[b] for b in range(dim)]))
@@ -157,7 +165,7 @@ class Grid:
         self.dim = dim
 
     def down(self, lever):
-        return np.swapaxes(lever * self.mass[:, :, None], 1, 2)
+        return np.conj(np.swapaxes(lever * self.mass[:, :, None], 1, 2))
 
     def to_nodes(self, v, c):
         """v: scenes x particles x components x columns; c: one such array for each direction of the affine part."""
@@ -236,16 +244,24 @@ def step(formulation, grid, k, v, c, s):
     return v, s + (k / 2 if formulation == "verlet" else k) * grid.strain(seen), new
 
 
-def growths(family, seed, offset, jitter, share):
-    """Returns k and the growth per step of each scene of a family."""
+def growths(family, seed, offset, jitter, share, phases=1):
+    """Returns k and the growth per step of each scene of a family, the largest over the phases from a box to the next."""
     x = places(family, seed, offset, jitter)
     drift = np.array(family["moves"]) / family["period"]
-    grids = [Grid(family, x + t * drift) for t in range(family["period"])]
-    limit = EDGE[family["formulation"]] / np.sqrt(np.max([grid.largest() for grid in grids], axis=0))
+    turns = [None, *(tuple(2 * math.pi * j / phases for j in turn) for turn in itertools.product(range(phases), repeat=family["dim"])
+                     if (0,) * len(turn) < turn <= tuple(-j % phases for j in turn))]  # the matrix of -phase is the conjugate
+    grids = {turn: [Grid(family, x + t * drift, turn) for t in range(family["period"])] for turn in turns}
+    limit = EDGE[family["formulation"]] / np.sqrt(np.max([grid.largest() for turn in turns for grid in grids[turn]], axis=0))
     k = np.array([float(f"{value:.4g}") for value in share * limit])
     if family["transfer"] not in OWN:
         return k, np.array([by_program(options_of(family, *one))[0] for one in zip(seed, offset, jitter, k)])
-    particles, dim, scenes = x.shape[1], family["dim"], len(seed)
+    return k, np.max([growth_of(family, x, turn, grids[turn], k) for turn in turns], axis=0)
+
+
+def growth_of(family, x, phase, grids, k):
+    """Returns the growth per step of each scene at a phase."""
+    drift = np.array(family["moves"]) / family["period"]
+    particles, dim, scenes = x.shape[1], family["dim"], len(x)
     nodes, stresses = family["cells"] ** dim, 3 if dim == 2 else 1
     first = nodes if family["transfer"] == "apic" else particles  # an apic step forgets all but nodal velocities
     n = first * dim + particles * stresses
@@ -254,7 +270,7 @@ def growths(family, seed, offset, jitter, share):
     s = unit[:, first * dim:].reshape(scenes, particles, stresses, n)
     c, by_k = [], k[:, None, None, None]
     if family["transfer"] == "apic":
-        before = Grid(family, x - drift)
+        before = Grid(family, x - drift, phase)
         v, c = before.to_particles(v), before.affine_of(v)
     for grid in grids:
         v, s, new = step(family["formulation"], grid, by_k, v, c, s)
@@ -262,10 +278,12 @@ def growths(family, seed, offset, jitter, share):
     if family["transfer"] == "apic":  # the nodes of the last step, counted as those before the first one
         v = new.reshape(scenes, *[family["cells"]] * dim, -1)
         for axis in range(dim):
-            v = np.roll(v, -family["moves"][axis], axis=dim - axis)
+            boxes = np.floor((np.arange(family["cells"]) + family["moves"][axis]) / family["cells"])
+            turn = np.exp(1j * phase[axis] * boxes) if phase else np.ones(family["cells"])
+            v = np.roll(v, -family["moves"][axis], axis=dim - axis) * np.expand_dims(turn, [a for a in range(v.ndim) if a != dim - axis])
     period = np.concatenate([v.reshape(scenes, first * dim, n), s.reshape(scenes, particles * stresses, n)], axis=1)
     radius = np.max(np.abs(np.linalg.eigvals(period)), axis=1)
-    return k, radius ** (1 / family["period"])
+    return radius ** (1 / family["period"])
 
 
 # ---- scenes as options of mpmstab ----
@@ -291,7 +309,7 @@ def by_program(options):
     return found["growth"], found["verdict"]
 
 
-def search(formulation, scenes, seed, dims, drifts, only=None, basis=None, least=0.2):
+def search(formulation, scenes, seed, dims, drifts, only=None, basis=None, least=0.2, phases=1):
     """Yields the family, its numbers, k and growth of each batch of scenes."""
     rng = np.random.default_rng(seed)
     while scenes > 0:
@@ -299,7 +317,7 @@ def search(formulation, scenes, seed, dims, drifts, only=None, basis=None, least
         family = draw(rng, formulation, dims, drifts, only, basis)
         numbers = [rng.integers(1, 2 ** 31, n), np.round(rng.uniform(0, 1, n), 3) % 1,
                    np.where(rng.random(n) < 0.15, 0, np.round(rng.uniform(0, 1, n), 2))]
-        k, growth = growths(family, *numbers, rng.uniform(least, 0.97, n))
+        k, growth = growths(family, *numbers, rng.uniform(least, 0.97, n), phases)
         yield family, numbers, k, growth
         scenes -= n
 
@@ -371,6 +389,11 @@ STUDIES = {
     "of 20,000 more with drifts from 0.15 to 0.3 {count} did": ("verlet", 1, 20000, {"seed": 3, "drifts": (0.15, 0.3)}),
     "of 8,000 scenes on hats with k from 0.8 of the limit and drifts from 1/16 to 1/8 {count} grew{largest}, from a drift of {drift} on":
         ("verlet", 1, 8000, {"drifts": (1 / 16, 1 / 8), "only": "flip", "basis": "linear", "least": 0.8}),
+    **{f"| {step}, 1-D | {n} | {{share}} of 1,600{{largest}} |": (step, 1, 1600, {"phases": n})
+       for step in ("usl", "musl", "verlet") for n in (1, 2, 4, 8)},
+    **{f"| {step}, 1-D | 8 | {{share}} of 1,600{{largest}} |": (step, 1, 1600, {"phases": 8}) for step in ("rk4", "kg5")},
+    **{f"| {step}, 2-D | {n} | {{share}} of 400{{largest}} |": (step, 2, 400, {"phases": n})
+       for step in ("usl", "verlet") for n in (1, 2, 4)},
     "rk4 grows in {share} of 2,000 scenes": ("rk4", 1, 2000, {"only": "hats"}),
     "verlet in {share}": ("verlet", 1, 2000, {"only": "hats"}),
     "aflip grows in {share} of 480 scenes": ("rk4", 1, 480, {"only": "aflip", "drifts": (0.05, 0.5)}),
@@ -416,8 +439,22 @@ def row_of(step, transfer):
     return f"{step}, {NAMES.get(transfer, transfer)}", share_of(found[True]), share_of(found[False])
 
 
+def check_phases():
+    """Refuses where a lattice in a box has other growth, over the phases from a box to the next, than in a box twice as long."""
+    for dim, transfer, formulation in ((1, "flip", "musl"), (1, "apic", "usl"), (2, "flip", "usl"), (2, "apic", "usl")):
+        found = []
+        for cells, phases in ((4, 2), (8, 1)) if dim == 1 else ((3, 2), (6, 1)):
+            family = {"formulation": formulation, "dim": dim, "basis": "linear", "transfer": transfer, "gradient": "basis", "period": 8 // dim,
+                      "moves": [1, 2][:dim], "counts": None, "cells": cells, "ppc": [2, 1][:dim]}
+            found.append(growths(family, np.array([1]), np.array([0.3]), np.array([0.0]), np.array([0.7]), phases))
+        apart = max(abs(a[0] - b[0]) for a, b in zip(*found))
+        if apart > 1e-9 or found[0][1] < 1 + GROWS:
+            refuse(f"{formulation} {transfer} {dim}-D: k and growth {found[0]} by phases, {found[1]} in a box twice as long")
+
+
 def check(path, whole):
     """Compares scenes with mpmstab, and refuses a page that has other numbers."""
+    check_phases()
     for formulation in EDGE:
         for dim, transfer in ((1, None), (2, None), *((1, transfer) for transfer in OWN[2:])):
             validate(formulation, 4, 1, [dim], (0.2, 0.5), transfer)
@@ -442,6 +479,7 @@ def main():
     parser.add_argument("--transfer", help="this one alone; hats: apic on hats")
     parser.add_argument("--basis", choices=("linear", "quadratic", "cubic"), help="this one alone")
     parser.add_argument("--share", type=float, default=0.2, help="the least k over the limit")
+    parser.add_argument("--phases", type=int, default=1, help="boxes in a row whose waves are looked at")
     parser.add_argument("--worst", type=int, default=10)
     parser.add_argument("--validate", type=int, metavar="N")
     parser.add_argument("--table", action="store_true")
@@ -464,8 +502,8 @@ def main():
     if args.validate:
         validate(args.formulation, args.validate, args.seed, dims, drifts, args.transfer)
         return
-    tell(args.formulation, search(args.formulation, args.scenes, args.seed, dims, drifts, args.transfer, args.basis, args.share),
-         args.worst)
+    tell(args.formulation, search(args.formulation, args.scenes, args.seed, dims, drifts, args.transfer, args.basis, args.share,
+                                  args.phases), args.worst if args.phases == 1 else 0)
 
 
 if __name__ == "__main__":
