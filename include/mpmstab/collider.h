@@ -11,11 +11,29 @@
 
 /*E
    MpmColliderKey - what a key of a shape holds: a place (in cells once it is read), a direction (of length 1), a positive
-   length for each direction, one positive length, or an angle between 0 and 90 degrees (in radians once it is read).
+   length for each direction, one positive length, an angle between 0 and 90 degrees (in radians once it is read), or the
+   name of a file with a signed distance.
 E*/
-typedef enum { MPM_KEY_PLACE, MPM_KEY_DIRECTION, MPM_KEY_SIZES, MPM_KEY_SIZE, MPM_KEY_ANGLE } MpmColliderKey;
+typedef enum {
+  MPM_KEY_PLACE,
+  MPM_KEY_DIRECTION,
+  MPM_KEY_SIZES,
+  MPM_KEY_SIZE,
+  MPM_KEY_ANGLE,
+  MPM_KEY_FILE
+} MpmColliderKey;
 
 typedef struct MpmCollider_ MpmCollider;
+
+/*S
+   MpmDistance - a signed distance at the nodes of a grid: n along each direction, of which origin is the first, in cells of the scene,
+   as are spacing and value. The last direction runs fastest.
+S*/
+typedef struct {
+  PetscInt   n[MPM_MAX_DIM];
+  PetscReal  origin[MPM_MAX_DIM], spacing[MPM_MAX_DIM];
+  PetscReal *value;
+} MpmDistance;
 
 /*S
    MpmColliderShape - the shape of a body.
@@ -50,7 +68,7 @@ typedef struct {
 /*S
    MpmCollider - a body. value: of its keys, in cells; friction: Coulomb's coefficient; velocity: at the times from 0 on,
    in units of c, linear between two of them and constant after the last; pace: c in cells per unit of the scene's time;
-   stiffness: of one that pushes, in (c / h)^2.
+   stiffness: of one that pushes, in (c / h)^2. grid: of a shape with MPM_KEY_FILE.
 S*/
 struct MpmCollider_ {
   const MpmColliderShape *shape;
@@ -58,6 +76,7 @@ struct MpmCollider_ {
   PetscReal               value[MPM_COLLIDER_KEYS][MPM_MAX_DIM], friction, pace, stiffness;
   PetscInt                ntimes;
   PetscReal               time[MPM_COLLIDER_TIMES], velocity[MPM_COLLIDER_TIMES][MPM_MAX_DIM];
+  MpmDistance            *grid;
 };
 
 /* The bodies of a scene. */

@@ -4,6 +4,7 @@
 #include <mpmstab/collider.h>
 #include <mpmstab/formulation.h>
 #include <mpmstab/fraction.h>
+#include <mpmstab/material.h>
 
 #define MPM_MAX_COUNTS 64
 
@@ -80,6 +81,7 @@ typedef struct {
    unused    - the names of columns that nothing reads
    of_bodies - of how many bodies they are; 0: they are not of the option bodies, which is path then
    velocity  - of particles of bodies along each direction, in units of c; else NULL
+   material, materials - of particles of bodies of several materials, and these materials; NULL: all are of the scene's
 S*/
 #define MPM_GIVEN_COLUMNS 8
 #define MPM_GIVEN_SAID 5
@@ -90,6 +92,9 @@ typedef struct {
   PetscBool  has[MPM_GIVEN_SAID], random, of_steps;
   PetscInt   of_bodies;
   PetscReal *velocity[MPM_MAX_DIM];
+
+  unsigned char *material;
+  MpmMaterials  *materials;
 } MpmGiven;
 
 /*S

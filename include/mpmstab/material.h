@@ -11,9 +11,12 @@
 #pragma once
 #include <mpmstab/compat.h>
 
-#define MPM_MOST_STRETCH 10 /* the largest number of components of F and of internal variables together */
+#define MPM_MOST_INTERNAL 3  /* the largest number of internal variables of the materials of a run, without e_out */
+#define MPM_MOST_STRETCH 13  /* the largest number of components of F and of internal variables together */
+#define MPM_MOST_MATERIALS 8 /* of one run */
 
-typedef struct MpmLaw_ MpmLaw;
+typedef struct MpmLaw_       MpmLaw;
+typedef struct MpmMaterials_ MpmMaterials;
 
 /*E
    MpmPlasticNumber - the numbers of materials that flow; MpmPlasticNames has the options of the same names.
@@ -37,11 +40,28 @@ extern const char *const MpmPlasticNames[];
    mu, lambda - Lame's moduli at rest, of solids; lambda + 2 mu is 1 in the units of this header
    exponent   - n of fluids whose pressure is a power of density
    plastic    - the numbers of a material that flows
+   several    - the materials of particles that are of several; law is then MpmLawSeveral. NULL: they are of this one
 S*/
 typedef struct {
-  const MpmLaw *law;
-  PetscReal     mu, lambda, exponent, plastic[MPM_PLASTIC_NUMBERS];
+  const MpmLaw       *law;
+  PetscReal           mu, lambda, exponent, plastic[MPM_PLASTIC_NUMBERS];
+  const MpmMaterials *several;
 } MpmMaterialNumbers;
+
+/*S
+   MpmMaterials - several materials of one run. Each particle has the internal variables of all of them, of which its own law
+   reads its own, and after them the number of its material, which is an internal variable, too: 'material'.
+
+   n, of    - the materials
+   internal - the laws that have an internal variable of a name, each name once; slot[i]: which of them is that of material i
+   outside  - one of the laws has the internal variable e_out
+S*/
+struct MpmMaterials_ {
+  PetscInt           n, ninternal, slot[MPM_MOST_MATERIALS];
+  PetscBool          outside;
+  const MpmLaw      *internal[MPM_MOST_INTERNAL];
+  MpmMaterialNumbers of[MPM_MOST_MATERIALS];
+};
 
 /*S
    MpmPlastic - how an isotropic material flows, in the logarithms e[0..2] of the principal elastic stretches, and one
@@ -119,36 +139,45 @@ struct MpmLaw_ {
 */
 extern const MpmLaw MpmLawLinear, MpmLawNeo, MpmLawSvk, MpmLawTait, MpmLawGas, MpmLawPolytropic, MpmLawMises,
     MpmLawSnow, MpmLawSand, MpmLawClay;
+extern const MpmLaw        MpmLawSeveral; /* of several materials; it is not in the list */
 extern const MpmLaw *const MpmLaws[];
 
 /* Not collective. Lame's moduli of a solid from their ratio lambda / mu, in the units of this header. */
 static inline MpmMaterialNumbers MpmMaterialOfRatio(const MpmLaw *law, PetscReal lambda_over_mu, PetscReal exponent)
 {
-  MpmMaterialNumbers m = {law, 1 / (2 + lambda_over_mu), lambda_over_mu / (2 + lambda_over_mu), exponent, {0}};
+  MpmMaterialNumbers m = {law, 1 / (2 + lambda_over_mu), lambda_over_mu / (2 + lambda_over_mu), exponent, {0}, NULL};
 
   for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS && law->plastic; i++) m.plastic[i] = law->plastic->number[i].usual;
   return m;
 }
 
 /*
-   MpmMaterialComponents - the number of components of F, and of internal variables after them
+   MpmLawComponents      - the number of components of F, and of internal variables of a law after them
+   MpmMaterialComponents - the same of a material, or of all materials of a run
    MpmMaterialInternal   - the name of internal variable i, and where it begins
+   MpmMaterialFlows      - whether the material, or one of several, flows
+   MpmMaterialAt         - the material of particle p of those whose arrays are F
 
    Not collective.
 */
-static inline PetscInt MpmMaterialComponents(const MpmLaw *law, PetscInt dim)
+static inline PetscInt MpmLawComponents(const MpmLaw *law, PetscInt dim)
 {
   if (!law->plastic) return dim * dim;
   return dim * dim + (law->plastic->internal ? 1 : 0) + (law->plastic->outside && dim < 3 ? 1 : 0);
 }
+PetscInt    MpmMaterialComponents(const MpmMaterialNumbers *material, PetscInt dim);
+const char *MpmMaterialInternal(const MpmMaterialNumbers *material, PetscInt dim, PetscInt i, PetscReal *start);
+PetscBool   MpmMaterialFlows(const MpmMaterialNumbers *material);
+const MpmMaterialNumbers *MpmMaterialAt(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal *const F[],
+                                        PetscInt p);
 
-static inline const char *MpmMaterialInternal(const MpmLaw *law, PetscInt i, PetscReal *start)
-{
-  const PetscBool own = i == 0 && law->plastic->internal ? PETSC_TRUE : PETSC_FALSE;
+/*
+   MpmMaterialsAdd - the number of a material among several, to which it is added where it is not one of them; MPM_MOST_MATERIALS:
+   there are too many materials, or too many internal variables.
 
-  *start = own ? law->plastic->start : 0;
-  return own ? law->plastic->internal : "e_out";
-}
+   Not collective.
+*/
+PetscInt MpmMaterialsAdd(MpmMaterials *materials, const MpmMaterialNumbers *material);
 
 /*
    MpmMaterialReturn - lets n particles flow: from the trial value of F and their internal variables to those on the yield

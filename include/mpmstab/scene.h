@@ -40,7 +40,8 @@ extern const char *const MpmStepBoundNames[];
    has_step             - the user gave a time step or a Courant number; else they are those of the default
    safety               - 0: all steps are alike. Else a run chooses each step, and takes this part of the largest stable one;
                           step and dt are then those of the default Courant number.
-   step_bound           - the bound of the largest stable step that such a run takes
+   step_bound, watched  - the bound of the largest stable step that such a run takes; watched: with a number for courant, the steps
+                          of a run are compared with it
    initial, mode, amplitude - the initial data, the number of waves of their Fourier mode in each direction, and their
                           size. With initial data eigenmode mode[0] is the number of the eigenvector.
    polarisation         - which way the material moves in a mode
@@ -66,7 +67,7 @@ struct MpmScene_ {
   PetscReal       length[MPM_MAX_DIM], cell_width, wave_speed, dt, safety, density, amplitude;
   MpmInitial      initial;
   MpmStepBound    step_bound;
-  PetscBool       stagger, physical, has_step;
+  PetscBool       stagger, physical, has_step, watched;
   MpmPolarisation polarisation;
   MpmWritten     *written;
   MpmFormulation *own;

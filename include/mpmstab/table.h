@@ -77,7 +77,7 @@ static inline PetscBool MpmTableIsFinite(const MpmTable *table)
 /* Not collective. The number of registers of the stretch, with the internal variables of the material. */
 static inline PetscInt MpmTableStretches(const MpmTable *table)
 {
-  return MpmMaterialComponents(table->material.law, table->dim);
+  return MpmMaterialComponents(&table->material, table->dim);
 }
 
 /* Not collective. The number of particle registers that have arrays of their own: the state and what is kept in a step. */

@@ -27,7 +27,8 @@
 #define FADES 1.05
 #define SAME_LEVEL 1e-9 /* levels: rounding, which differs between ranks, does not choose among steps */
 
-const char *const MpmPaceReasonNames[] = {"waves", "motion", "end"};
+const char *const MpmPaceReasonNames[]             = {"waves", "motion", "end"};
+const PetscReal   MpmPaceFactors[MPM_PACE_FACTORS] = {1, 1.1, 1.25, 1.5, 2};
 
 /* ---- the limit of the linear scheme ---- */
 
@@ -89,7 +90,8 @@ static PetscErrorCode LimitAtSurface(const MpmCriticalCase *of, PetscReal *limit
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode LimitAtRest(const MpmScene *scene, PetscReal *limit, MpmNeighbourhoodKind *where)
+static PetscErrorCode LimitAtRest(const MpmScene *scene, const MpmMaterialNumbers *material, PetscReal *limit,
+                                  MpmNeighbourhoodKind *where)
 {
   MpmCriticalCase of     = {.tolerance = TOLERANCE};
   MpmScheme       scheme = scene->scheme;
@@ -101,7 +103,7 @@ static PetscErrorCode LimitAtRest(const MpmScene *scene, PetscReal *limit, MpmNe
   scheme.space          = rest->scheme.space;
   scheme.space.gradient = scene->scheme.space.gradient;
   scheme.space.filter   = scene->scheme.space.filter;
-  scheme.space.poisson  = PoissonOf(&scene->scheme.space.material);
+  scheme.space.poisson  = PoissonOf(material);
   PetscCall(MpmTableCreate(scheme.formulation, scheme.transfer, &scheme.numbers, &scheme.space, &scheme.table));
   of.layout = &rest->layout;
   of.scheme = &scheme;
@@ -125,14 +127,24 @@ static PetscErrorCode LimitAtRest(const MpmScene *scene, PetscReal *limit, MpmNe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* K where no bound is known. */
+/* K where no bound is known: the least of all materials. */
 static PetscErrorCode FindAtRest(const MpmScene *scene, MpmPace *pace)
 {
-  MpmNeighbourhoodKind where;
-  PetscReal            limit;
+  const MpmMaterialNumbers *material = &scene->scheme.space.material;
+  const MpmMaterials       *all      = material->several;
+  MpmNeighbourhoodKind      where    = MPM_IN_BULK;
+  PetscReal                 limit    = INFINITY;
 
   PetscFunctionBegin;
-  PetscCall(LimitAtRest(scene, &limit, &where));
+  for (PetscInt i = 0; i < (all ? all->n : 1); i++) {
+    MpmNeighbourhoodKind at;
+    PetscReal            own;
+
+    PetscCall(LimitAtRest(scene, all ? &all->of[i] : material, &own, &at));
+    if (own >= limit) continue;
+    limit = own;
+    where = at;
+  }
   limit = rint(limit * DIGITS) / DIGITS;
   MpmCheckInput(
       limit > 0 && isfinite(limit),
@@ -281,7 +293,7 @@ static PetscErrorCode Look(MpmPace *pace, MpmMarch *march)
     limit     = PetscMax(limit, certified);
   }
   limit = rint(limit * DIGITS) / DIGITS;
-  MpmCheckInput(limit > 0,
+  MpmCheckInput(limit > 0 || march->scene->safety == 0,
                 "courant auto: bound %s allows no step at step %" PetscInt64_FMT ", since particle %" PetscInt64_FMT
                 " meets a node; allowed: step_bound particle or lanczos",
                 MpmStepBoundNames[asked], march->step + 1, pace->at.id);
@@ -318,16 +330,62 @@ PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *re
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The bound of the step, or K without one, of the waves of now and of colliders that push. */
+static PetscReal BoundOfNow(const MpmPace *pace, const MpmMarch *march)
+{
+  const PetscReal push  = sqrt(MpmCollidersStiffness(march->layout->colliders)) / 2;
+  const PetscReal alone = pace->fastest > 0 ? pace->held.limit / pace->fastest : pace->held.limit;
+
+  return push > 0 ? 1 / hypot(1 / alone, push) : alone; /* docs/floors.md has the proof */
+}
+
+/* Counts the next step among those under the bound, or above it. */
+static void Compare(MpmPace *pace, const MpmMarch *march)
+{
+  const PetscReal share = BoundOfNow(pace, march) / march->courant;
+  MpmPaceHeld    *h     = &pace->held;
+
+  h->steps++;
+  for (PetscInt f = 0; f < MPM_PACE_FACTORS; f++) h->under[f] += share >= MpmPaceFactors[f] * (1 - SAME_TIME);
+  if (h->above == 0 && share < 1 - SAME_TIME) h->above = (PetscReal)march->step + 1;
+  h->share = h->steps > 1 ? PetscMin(h->share, share) : share;
+}
+
+/* Notes which particle decides P now. */
+static void NoteDecider(MpmPace *pace, const MpmMarch *march)
+{
+  MpmPaceHeld *h = &pace->held;
+
+  h->id     = (PetscReal)pace->at.id;
+  h->number = pace->number;
+  h->step   = (PetscReal)march->step + 1;
+  for (PetscInt a = 0; a < march->layout->dim; a++) h->place[a] = pace->at.place[a];
+}
+
+PetscErrorCode MpmPaceWatch(MpmPace *pace, MpmMarch *march)
+{
+  MpmPaceHeld    *h      = &pace->held;
+  const PetscReal before = h->steps > 0 ? h->share : INFINITY;
+
+  PetscFunctionBegin;
+  PetscCall(Speeds(pace, march));
+  if (!pace->why_not && IsOld(pace, march)) PetscCall(Look(pace, march));
+  if (h->looks == 0 && !pace->why_not) PetscFunctionReturn(PETSC_SUCCESS); /* no waves travel yet */
+  Compare(pace, march);
+  if (h->share < before && !pace->why_not) NoteDecider(pace, march);
+  h->way += pace->motion * march->courant;
+  h->seen += pace->motion * march->courant;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    The Courant number of the next step. It follows from the state, the time and what the pace holds, which checkpoints have, so
    that a run that resumes goes on as it would have. Where no waves travel at all, the step of the start is taken.
 */
 static PetscReal Choose(MpmPace *pace, const MpmMarch *march)
 {
-  const PetscReal safety = march->scene->safety, most = safety * pace->held.limit, first = safety * pace->held.first;
-  const PetscReal push   = sqrt(MpmCollidersStiffness(march->layout->colliders)) / (2 * safety);
-  const PetscReal alone  = pace->fastest > 0 ? most / pace->fastest : most;
-  const PetscReal waves  = push > 0 ? 1 / hypot(1 / alone, push) : alone; /* docs/floors.md has the proof */
+  const PetscReal safety = march->scene->safety, first = safety * pace->held.first,
+                  waves  = safety * BoundOfNow(pace, march);
   const PetscReal motion = FARTHEST / pace->motion, left = pace->end - march->elapsed;
   PetscReal       k = PetscMin(waves, motion);
 
@@ -353,12 +411,8 @@ PetscErrorCode MpmPaceStep(MpmPace *pace, MpmMarch *march, PetscInt64 *last)
     PetscCall(MpmMarchStart(march));
     pace->changes += march->step > 0 ? 1 : 0;
   }
-  if (pace->reason != MPM_PACE_END && courant < pace->least && isfinite(pace->number)) {
-    h->id     = (PetscReal)pace->at.id;
-    h->number = pace->number;
-    h->step   = (PetscReal)march->step + 1;
-    PetscCall(PetscArraycpy(h->place, pace->at.place, march->layout->dim));
-  }
+  Compare(pace, march);
+  if (pace->reason != MPM_PACE_END && courant < pace->least && isfinite(pace->number)) NoteDecider(pace, march);
   h->way += pace->motion * courant;
   h->seen += pace->motion * courant;
   if (pace->reason != MPM_PACE_END) {

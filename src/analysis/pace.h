@@ -21,6 +21,8 @@
 #include "scene/request.h"
 
 #define MPM_PACE_LEVELS 16
+#define MPM_PACE_FACTORS 5
+extern const PetscReal MpmPaceFactors[MPM_PACE_FACTORS]; /* of steps that would be so many times as long */
 
 /*E
    MpmPaceReason - what a step is bounded by: MPM_PACE_WAVES the fastest waves; MPM_PACE_MOTION the fastest particle, which
@@ -37,11 +39,14 @@ extern const char *const MpmPaceReasonNames[];
    way, seen       - cells that the fastest particle has moved, at most, since the certificate and since the last look at P
    waves           - the fastest waves at that look
    certificates, looks - how many there were
-   id, place, number, step - the particle that decided P at the smallest step, its place in cells, P, and that step; step 0: none
+   id, place, number, step - the particle that decided P at the smallest step, its place in cells, P, and that step; step 0: none.
+                     Of a run that is watched: at the step above which the bound stood least
+   steps, under    - the steps that were compared with the bound, and those that would stand under it if they were longer by a factor
+   above, share    - the first step above the bound, 0: none; and the least bound over its step
 S*/
 typedef struct {
   PetscReal limit, first, certified, particle, fastest, way, seen, waves, certificates, looks, id, place[MPM_MAX_DIM],
-      number, step;
+      number, step, steps, under[MPM_PACE_FACTORS], above, share;
 } MpmPaceHeld;
 #define MPM_PACE_HELD ((PetscInt)(sizeof(MpmPaceHeld) / sizeof(PetscReal)))
 
@@ -85,6 +90,7 @@ static inline PetscBool MpmPaceHasChosen(const MpmPace *pace)
 /*
    MpmPaceCreate - begins. Without a bound it finds K for the scene.
    MpmPaceBegin  - finds the first bound of a march, unless a checkpoint had one, and so the number of steps
+   MpmPaceWatch  - compares the next step of a march, which it leaves as it is, with the bound
 
    Collective.
 
@@ -92,6 +98,7 @@ static inline PetscBool MpmPaceHasChosen(const MpmPace *pace)
 */
 PetscErrorCode MpmPaceCreate(const MpmScene *scene, const MpmRequest *request, MpmPace **pace);
 PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *request);
+PetscErrorCode MpmPaceWatch(MpmPace *pace, MpmMarch *march);
 PetscErrorCode MpmPaceDestroy(MpmPace **pace);
 
 /*

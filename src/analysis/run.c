@@ -191,6 +191,7 @@ static PetscErrorCode ChooseStep(Loop *loop)
   MpmRun *run = loop->run;
 
   PetscFunctionBegin;
+  if (run->watch) PetscCall(MpmPaceWatch(run->watch, loop->march));
   if (!run->pace) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmPaceStep(run->pace, loop->march, &run->last));
   if (!loop->callbacks->silent) PetscCall(MpmPaceTell(run->pace, loop->march));
@@ -316,6 +317,7 @@ static PetscErrorCode Run(const MpmScene *scene, Loop *loop, MpmRun **run)
   r->last   = loop->request->steps;
   loop->run = r;
   if (scene->safety > 0) PetscCall(MpmPaceCreate(scene, loop->request, &r->pace));
+  if (scene->watched) PetscCall(MpmPaceCreate(scene, loop->request, &r->watch));
   PetscCall(Begin(loop));
   if (r->pace) PetscCall(MpmPaceBegin(r->pace, loop->march, loop->request));
   loop->gap = scene->scheme.space.finite ? FiniteGap(loop) : SampleGap(scene, loop->request->steps);
@@ -362,6 +364,7 @@ PetscErrorCode MpmRunDestroy(MpmRun **run)
   PetscCall(MpmSeriesDestroy(&(*run)->series));
   PetscCall(MpmTangentsDestroy(&(*run)->tangents));
   PetscCall(MpmPaceDestroy(&(*run)->pace));
+  PetscCall(MpmPaceDestroy(&(*run)->watch));
   PetscCall(PetscFree(*run));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

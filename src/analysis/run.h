@@ -12,7 +12,8 @@
 
    from: the step at which this run began, 0 unless it resumed from a checkpoint. steps, time: those at its end. last: the number
    of its last step; of a run that ends at a time it is known when this step begins, and larger before. stopped: a signal
-   ended it before its last step. pace: how a run has chosen its steps, or NULL where they are all alike. eigenmode: growth per step of the eigenvalue of the mode that initial eigenmode starts from, else NaN.
+   ended it before its last step. pace: how a run has chosen its steps, or NULL where they are all alike;
+   watch: the bound that these were compared with, or NULL. eigenmode: growth per step of the eigenvalue of the mode that initial eigenmode starts from, else NaN.
 
    Energies are NaN when out of range; their ratio is still known then. blew_up_at_step: the first sampled step at which
    the norm of the state left the range of doubles, or MPM_NEVER. mass_change, momentum_change: relative to the start of
@@ -41,7 +42,7 @@ typedef struct {
   MpmVerdict        verdict;
   MpmPredictions    predictions;
   MpmTangents      *tangents;
-  MpmPace          *pace;
+  MpmPace          *pace, *watch;
 
   MpmTransferDiagnosticsSample transfer_first, transfer_last, transfer_most;
 } MpmRun;

@@ -267,7 +267,7 @@ static PetscErrorCode WriteProperties(MpmOutput *output, const char place[], con
   PetscReal        *q, *F[MPM_MAX_DIM * MPM_MAX_DIM], at[MPM_MAX_DIM * MPM_MAX_DIM], unit[MPM_PROPERTIES];
 
   PetscFunctionBegin;
-  if (finite && t->material.law->plastic) PetscFunctionReturn(PETSC_SUCCESS);
+  if (finite && MpmMaterialFlows(&t->material)) PetscFunctionReturn(PETSC_SUCCESS);
   MpmMaterialUnits(output->scene, unit);
   PetscCall(PetscMalloc1(n, &q));
   for (PetscInt c = 0; c < components; c++)

@@ -228,7 +228,7 @@ static PetscReal Start(const MpmMarch *march, const MpmProfile *profile, PetscIn
 
   if (X && MpmSolutionOf(march->scene)) return MpmSolutionRegister(march->scene, r, X, X, 0);
   if (t->field[r] == MPM_STRETCHED && component >= dim * dim) {
-    (void)MpmMaterialInternal(t->material.law, component - dim * dim, &value);
+    (void)MpmMaterialInternal(&t->material, dim, component - dim * dim, &value);
     return value;
   }
   if (t->field[r] == MPM_STRETCHED)
@@ -245,6 +245,14 @@ static PetscReal UnitOf(const MpmMarch *march, PetscInt component)
   const PetscInt dim = march->scheme->table->dim;
 
   return component < dim * dim ? march->scheme->space.stretch[component % dim] : 1;
+}
+
+/* Whether a state register has the numbers of the particles' materials. */
+static PetscBool IsNumber(const MpmTable *t, PetscInt r)
+{
+  return t->material.several && t->field[r] == MPM_STRETCHED && t->component[r] == MpmTableStretches(t) - 1
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, PetscReal noise, PetscInt r,
@@ -267,6 +275,7 @@ static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, Pets
     MpmParticlesLagrangian(march->particles, id[p], march->cell_width, X);
     q[p] = Start(march, profile, r, march->scene ? X : NULL);
     if (own) q[p] = own[id[p]];
+    if (IsNumber(t, r)) q[p] = given->material[id[p]];
     if (size > 0 && !internal) q[p] += size * (2 * MpmHash(seed, id[p]) - 1);
   }
   PetscCall(MpmParticlesRestore(march->particles, t->fields[r], &q));
@@ -378,6 +387,7 @@ static PetscErrorCode FieldSquares(const MpmMarchArrays *at, PetscInt r, PetscRe
   const PetscInt  count   = at->march->particles->count;
 
   PetscFunctionBegin;
+  if (IsNumber(t, r)) PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt p = 0; p < count; p++) left[p] = (at->particle[r][p] - start) / unit;
   PetscCall(Squares(at->march, count, left, stretch ? PETSC_FALSE : PETSC_TRUE, sum));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -36,7 +36,7 @@ typedef struct {
   const PetscReal *mass, *volume;
   PetscReal       *inverse, *sum[MPM_MAX_DIM]; /* local arrays of the nodes */
   PetscReal       *weight, *value, *stiffness; /* u, lambda and modulus of each particle */
-  PetscReal        lambda, mu;
+  PetscReal        lambda, *lames; /* Lame's lambda over lambda + 2 mu; lames: of each particle, where they differ */
   PetscBool        loses; /* a particle has a slope at a node without mass: DIV is then not the adjoint of GRAD */
 } Pass;
 
@@ -70,6 +70,18 @@ static PetscReal Of(const PetscReal property[], PetscInt p)
   return property ? property[p] : 1;
 }
 
+/* Lame's moduli of a particle over lambda + 2 mu. */
+typedef struct {
+  PetscReal lambda, mu;
+} Lame;
+
+static Lame LameOf(const Pass *s, PetscInt p)
+{
+  const PetscReal lambda = s->lames ? s->lames[p] : s->lambda;
+
+  return (Lame){lambda, (1 - lambda) / 2};
+}
+
 /* The norms of the slopes of node i for a component, of particles at walls. */
 static void Norms(const Pass *s, PetscInt i, PetscInt c, PetscReal norm[])
 {
@@ -88,6 +100,18 @@ typedef enum { SUMS, SPLIT, ALONE } Visit;
 /* Of two weights along a direction: phi^2, slope^2 and phi slope; 1, 0 and 0 along one that is not there. */
 typedef PetscReal Squares[3][MPM_MOST_NODES * MPM_STENCILS];
 
+/* What a direction gives to products over the directions; 1, 0 and 0 for one that is not there. */
+INLINE void SquaresAlong(const PetscInt dim, const MpmStencils *c, PetscInt a, Squares along)
+{
+  for (PetscInt i = 0; i < (a < dim ? c->slopes.basis->nodes : 1) * MPM_STENCILS; i++) {
+    const PetscReal phi = a < dim ? c->weight[a][0][i] : 1, slope = a < dim ? c->weight[a][1][i] : 0;
+
+    along[0][i] = phi * phi;
+    along[1][i] = slope * slope;
+    along[2][i] = phi * slope;
+  }
+}
+
 /*
    Takes particles inside through their nodes. With slopes g of a node, products over the directions, SUMS adds share abs(g) to the
    sums there. SPLIT and ALONE find G = sum g g^T t, its components 00 01 02 11 12 22, with t the sum over abs(g), or 1 / S: once along
@@ -100,14 +124,7 @@ INLINE void VisitInside(const PetscInt dim, const Visit visit, Pass *s, const Pe
   const PetscInt     nx = c->slopes.basis->nodes, ny = dim > 1 ? nx : 1, nz = dim > 2 ? nx : 1;
   Squares            along[MPM_MAX_DIM];
 
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++)
-    for (PetscInt i = 0; i < (a < dim ? nx : 1) * MPM_STENCILS; i++) {
-      const PetscReal phi = a < dim ? c->weight[a][0][i] : 1, slope = a < dim ? c->weight[a][1][i] : 0;
-
-      along[a][0][i] = phi * phi;
-      along[a][1][i] = slope * slope;
-      along[a][2][i] = phi * slope;
-    }
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) SquaresAlong(dim, c, a, along[a]);
   for (PetscInt r = 0; r < ny * nz; r++) {
     const PetscInt y = r % ny, z = r / ny,
                    row           = y * s->march->grid->axis[1].stride + z * s->march->grid->axis[2].stride;
@@ -230,11 +247,11 @@ static PetscReal Largest(PetscInt n, PetscReal A[MPM_MAX_STRESS][MPM_MAX_STRESS]
    Adds times b b^T to a matrix, b = C^(1/2) of the strain g e_c, symmetric. Strains have the components 00, 11, 22 and then
    those beside the diagonal times sqrt(2), so that C is 2 mu and on 1, the strain without shape, 2 mu + d lambda.
 */
-static void Add(const Pass *s, PetscInt c, const PetscReal g[], PetscReal times,
+static void Add(PetscInt dim, Lame m, PetscInt c, const PetscReal g[], PetscReal times,
                 PetscReal A[MPM_MAX_STRESS][MPM_MAX_STRESS])
 {
-  const PetscInt  dim = s->dim, n = dim * (dim + 1) / 2;
-  const PetscReal shear = sqrt(2 * s->mu), more = (sqrt(2 * s->mu + dim * s->lambda) - shear) / dim;
+  const PetscInt  n     = dim * (dim + 1) / 2;
+  const PetscReal shear = sqrt(2 * m.mu), more = (sqrt(2 * m.mu + dim * m.lambda) - shear) / dim;
   PetscReal       b[MPM_MAX_STRESS] = {0};
 
   for (PetscInt a = 0; a < dim; a++) b[a] = more * g[c];
@@ -249,16 +266,16 @@ static void Add(const Pass *s, PetscInt c, const PetscReal g[], PetscReal times,
    The largest eigenvalue of C sym(. G) for all components' G. In the axes of G strains along them have the matrix
    2 mu G + lambda sqrt(G) sqrt(G)^T, and a shear has mu (G_a + G_b), which is no more (include/mpmstab_dt.h).
 */
-static PetscReal Isotropic(const Pass *s, PetscReal G[MPM_MAX_STRESS][MPM_MAX_STRESS])
+static PetscReal Isotropic(PetscInt dim, Lame m, PetscReal G[MPM_MAX_STRESS][MPM_MAX_STRESS])
 {
   PetscReal axis[MPM_MAX_DIM], T[MPM_MAX_STRESS][MPM_MAX_STRESS];
 
-  (void)Largest(s->dim, G);
-  for (PetscInt a = 0; a < s->dim; a++) axis[a] = sqrt(fmax(G[a][a], 0));
-  for (PetscInt a = 0; a < s->dim; a++)
-    for (PetscInt b = 0; b < s->dim; b++)
-      T[a][b] = s->lambda * axis[a] * axis[b] + (a == b ? 2 * s->mu * axis[a] * axis[a] : 0);
-  return Largest(s->dim, T);
+  (void)Largest(dim, G);
+  for (PetscInt a = 0; a < dim; a++) axis[a] = sqrt(fmax(G[a][a], 0));
+  for (PetscInt a = 0; a < dim; a++)
+    for (PetscInt b = 0; b < dim; b++)
+      T[a][b] = m.lambda * axis[a] * axis[b] + (a == b ? 2 * m.mu * axis[a] * axis[a] : 0);
+  return Largest(dim, T);
 }
 
 /*
@@ -276,6 +293,7 @@ INLINE void ValuesInside(const PetscInt dim, const Visit visit, Pass *s, const P
   VisitInside(dim, visit, s, NULL, G, endless);
   for (PetscInt q = 0; q < c->n; q++) {
     const PetscReal trace = G[0][q] + G[3][q] + G[5][q];
+    const Lame      m     = LameOf(s, c->begin + q);
     PetscReal       A[MPM_MAX_STRESS][MPM_MAX_STRESS], square = 0, *value = s->value + c->begin + q;
 
     for (PetscInt a = 0; a < dim; a++)
@@ -283,10 +301,10 @@ INLINE void ValuesInside(const PetscInt dim, const Visit visit, Pass *s, const P
         A[a][b] = G[part[a][b]][q];
         square += A[a][b] * A[a][b];
       }
-    square = 4 * s->mu * (s->mu + s->lambda) * square + s->lambda * s->lambda * trace * trace;
+    square = 4 * m.mu * (m.mu + m.lambda) * square + m.lambda * m.lambda * trace * trace;
     square = fmax(square - trace * trace / dim, 0) * (dim - 1) / dim;
     *value = factor[q] * (trace / dim + sqrt(square));
-    if (*value > least || isnan(*value)) *value = factor[q] * Isotropic(s, A);
+    if (*value > least || isnan(*value)) *value = factor[q] * Isotropic(dim, m, A);
     if (endless[q]) *value = INFINITY;
   }
 }
@@ -313,7 +331,7 @@ static void ValuesAtWall(Pass *s, PetscBool lone, const PetscReal factor[])
         if (lone && !(S > 0)) endless[q] = PETSC_TRUE;
         if (lone ? endless[q] : sum[node] == 0) continue;
         for (PetscInt b = 0; b < s->dim; b++) g[b] = c->g[((i * s->dim + k) * s->dim + b) * MPM_STENCILS + q];
-        Add(s, k, g, lone ? 1 / S : sum[node] / norm[q], A[q]);
+        Add(s->dim, LameOf(s, c->begin + q), k, g, lone ? 1 / S : sum[node] / norm[q], A[q]);
       }
     }
   for (PetscInt q = 0; q < c->n; q++)
@@ -458,6 +476,7 @@ static void Stress(const Pass *s, PetscInt begin, PetscInt n, PetscReal product[
 {
   for (PetscInt p = 0; p < n; p++) {
     const PetscReal modulus = s->stiffness[begin + p] * Of(s->volume, begin + p);
+    const Lame      m       = LameOf(s, begin + p);
     PetscReal      *at[1 + MPM_MAX_DIM], L[MPM_MAX_DIM][MPM_MAX_DIM], trace = 0;
 
     for (PetscInt c = 0; c <= MPM_MAX_DIM; c++) at[c] = product + LANES * (MPM_CLOUD * c + p);
@@ -468,7 +487,7 @@ static void Stress(const Pass *s, PetscInt begin, PetscInt n, PetscReal product[
     }
     for (PetscInt k = 0; k < s->dim; k++)
       for (PetscInt b = 0; b < s->dim; b++)
-        at[1 + b][k] = modulus * (s->mu * (L[k][b] + L[b][k]) + (k == b ? s->lambda * trace : 0));
+        at[1 + b][k] = modulus * (m.mu * (L[k][b] + L[b][k]) + (k == b ? m.lambda * trace : 0));
   }
 }
 
@@ -645,12 +664,28 @@ static PetscErrorCode FindByLanczos(Pass *s, MpmStepBounds *b)
 
 /* ---- all of them ---- */
 
-/* lambda / (lambda + 2 mu) at rest is nu / (1 - nu). */
-static PetscReal LambdaOf(const MpmSpace *space)
+/* lambda / (lambda + 2 mu) at rest is nu / (1 - nu); material: that at finite deformation. */
+static PetscReal LambdaOf(const MpmSpace *space, const MpmMaterialNumbers *material)
 {
   if (space->dim == 1) return 0;
-  if (space->finite) return space->material.law->solid ? space->material.lambda : 1;
+  if (space->finite) return material->law->solid ? material->lambda : 1;
   return space->poisson / (1 - space->poisson);
+}
+
+/* Lambda of each particle, where they are of several materials. */
+static PetscErrorCode FindLames(Pass *s)
+{
+  const MpmTable *t     = s->march->scheme->table;
+  const PetscInt  count = s->march->particles->count;
+
+  PetscFunctionBegin;
+  if (!t->material.several) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscMalloc1(count, &s->lames));
+  for (PetscInt p = 0; p < count; p++)
+    s->lames[p] =
+        LambdaOf(&s->march->scheme->space,
+                 MpmMaterialAt(&t->material, s->dim, (const PetscReal *const *)s->at.at.particle + t->stretch, p));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Begin(MpmMarch *march, const MpmStepBounds *b, Pass *s)
@@ -663,9 +698,9 @@ static PetscErrorCode Begin(MpmMarch *march, const MpmStepBounds *b, Pass *s)
               .dim        = space->dim,
               .components = MpmLayoutIsPeriodic(march->layout) ? 1 : space->dim,
               .own        = space->dim * MpmGridNodes(march->grid),
-              .lambda     = LambdaOf(space),
-              .mu         = (1 - LambdaOf(space)) / 2};
+              .lambda     = LambdaOf(space, &space->material)};
   PetscCall(MpmStencilsCreate(march, march->particles->step, &s->at));
+  PetscCall(FindLames(s));
   PetscCall(PetscMalloc3(count, &s->weight, count, &s->value, count, &s->stiffness));
   s->mass    = s->at.at.weight[MPM_MASS];
   s->volume  = s->at.at.weight[MPM_VOLUME];
@@ -689,6 +724,7 @@ static PetscErrorCode End(Pass *s)
     PetscCall(PetscFree(s->sum[a]));
   }
   PetscCall(PetscFree3(s->weight, s->value, s->stiffness));
+  PetscCall(PetscFree(s->lames));
   PetscCall(MpmStencilsDestroy(&s->at));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -183,7 +183,8 @@ static PetscErrorCode Clear(Builder *b, PetscInt slot)
 static PetscErrorCode WeightOf(Builder *b, MpmOpKind kind, Vec *weight)
 {
   const MpmLayout  *layout   = b->sizes->layout;
-  const MpmProperty property = MpmLayoutWeight(layout, kind);
+  const PetscBool   modulus  = kind == MPM_STRESS && layout->varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
+  const MpmProperty property = modulus ? MPM_STIFFNESS : MpmLayoutWeight(layout, kind);
   PetscReal        *w;
 
   PetscFunctionBegin;

@@ -328,7 +328,7 @@ static void RowPrint(json_t *result, const MpmScene *s, const char name[], const
   if (MpmSceneIsPhysical(s)) {
     NumberText(MpmSceneTimeStep(s, courant), "none", sizeof number, number);
     MpmPrint(" %-12s", isnan(courant) ? unknown : number);
-    MpmResultKeep(result, "%g{seconds}", MpmSceneTimeStep(s, courant));
+    MpmResultKeep(result, "%g{dt}", MpmSceneTimeStep(s, courant));
   }
   NumberText(courant, "none", sizeof number, number);
   MpmPrint(" %-10s %s\n", isnan(courant) ? unknown : number, text);

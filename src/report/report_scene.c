@@ -90,6 +90,11 @@ static PetscErrorCode PrintDamping(const MpmScene *s, const MpmRequest *request)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscBool HasGravity(const MpmScene *s)
+{
+  return s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0 ? PETSC_TRUE : PETSC_FALSE;
+}
+
 /* Describes layout and material where they are not the default. */
 static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *request)
 {
@@ -107,7 +112,7 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
     PrintFilled(&s->layout);
   if (s->scheme.space.finite) {
     PetscCall(PrintFields(s, request, "finite deformation, material {material}, from the stretch {stretch}"));
-    PetscCall(PrintFields(s, request, s->scheme.space.loaded && !s->body_force ? ", gravity {gravity}\n" : "\n"));
+    PetscCall(PrintFields(s, request, HasGravity(s) ? ", gravity {gravity}\n" : "\n"));
   }
   if (s->bodies[0]) PetscCall(PrintFields(s, request, "bodies: {bodies}\n"));
   if (s->layout.colliders) PetscCall(PrintFields(s, request, "colliders: {colliders}\n"));

@@ -247,7 +247,7 @@ static PetscErrorCode ReadArrays(Reader *r)
 
 /* ---- the file ---- */
 
-static PetscErrorCode Open(const char path[], Reader *r)
+static PetscErrorCode Open(const char path[], const char others[], Reader *r)
 {
   PetscBool is    = PETSC_FALSE;
   int       error = 0;
@@ -255,7 +255,7 @@ static PetscErrorCode Open(const char path[], Reader *r)
   PetscFunctionBegin;
   if (MpmRankOf(PETSC_COMM_WORLD) == 0) {
     r->stream = MpmFileOpen(path, &error);
-    if (!r->stream) Why(r, "%s; allowed: uniform, random, or a CSV or HDF5 file of particles", MpmFileReason(error));
+    if (!r->stream) Why(r, "%s; allowed: %sa CSV or HDF5 file of particles", MpmFileReason(error), others);
     if (r->stream) PetscCall(MpmHdf5Is(path, &is));
     if (is) {
       PetscCall(MpmHdf5Open(PETSC_COMM_SELF, path, &r->hdf5));
@@ -285,14 +285,14 @@ static PetscErrorCode Share(Reader *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGivenRead(const char path[], PetscInt dim, MpmGiven **made)
+PetscErrorCode MpmGivenRead(const char where[], const char others[], const char path[], PetscInt dim, MpmGiven **made)
 {
   Reader    r     = {.dim = dim, .hdf5 = {.file = -1}};
   MpmGiven *given = NULL;
   PetscBool failed;
 
   PetscFunctionBegin;
-  PetscCall(Open(path, &r));
+  PetscCall(Open(path, others, &r));
   if (!r.why[0]) {
     PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, path,
                              (PetscReal)r.particles * (PetscReal)sizeof(PetscReal) * (r.columns + MPM_PROPERTIES) *
@@ -311,7 +311,7 @@ PetscErrorCode MpmGivenRead(const char path[], PetscInt dim, MpmGiven **made)
   }
   if (r.hdf5.file >= 0) PetscCall(MpmHdf5Close(&r.hdf5, &failed));
   if (r.stream) (void)fclose(r.stream);
-  MpmCheckInput(!r.why[0], "layout %s: %s", path, r.why);
+  MpmCheckInput(!r.why[0], "%s %s: %s", where, path, r.why);
   (void)snprintf(given->path, sizeof given->path, "%s", path);
   (void)snprintf(given->unused, sizeof given->unused, "%s", r.unused);
   given->particles = r.particles;
@@ -333,7 +333,7 @@ PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene
   }
   MpmSettingsRefuseIf(!*path || strlen(path) >= sizeof given->path, settings, "layout",
                       "allowed: uniform, random, or the name of a CSV or HDF5 file of particles");
-  PetscCall(MpmGivenRead(path, scene->layout.dim, &scene->layout.given));
+  PetscCall(MpmGivenRead("layout", "uniform, random, or ", path, scene->layout.dim, &scene->layout.given));
   given              = scene->layout.given;
   scene->layout.name = given->path;
   if (given->column[POISSON] && scene->layout.dim > 1 && MpmSettingsSource(settings, "poisson") == MPM_FROM_DEFAULT)
@@ -351,6 +351,8 @@ PetscErrorCode MpmGivenDestroy(MpmGiven **given)
     PetscCall(PetscFree((*given)->velocity[a]));
   }
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++) PetscCall(PetscFree((*given)->property[w]));
+  PetscCall(PetscFree((*given)->material));
+  PetscCall(PetscFree((*given)->materials));
   PetscCall(PetscFree(*given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

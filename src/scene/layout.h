@@ -51,9 +51,18 @@ enum { MPM_GIVEN_VOLUME = MPM_MAX_DIM, MPM_GIVEN_MASS, MPM_GIVEN_YOUNG, MPM_GIVE
 /*
    MpmGivenRead - reads the particles of a CSV or HDF5 file with columns x, y, z in dim dimensions. Places are in the scene's unit.
 
-   Collective. Refuses a file that is none.
+   Collective. Refuses a file that is none, in a message that begins with where it is named; others: what else is allowed there.
 */
-PetscErrorCode MpmGivenRead(const char path[], PetscInt dim, MpmGiven **given);
+PetscErrorCode MpmGivenRead(const char where[], const char others[], const char path[], PetscInt dim, MpmGiven **given);
+
+/*
+   MpmDistanceRead - reads the signed distance of a body in dim dimensions. unit: the length of a cell. MpmDistanceDestroy - frees it.
+
+   Collective. Refuses a file that is none, as MpmGivenRead does.
+*/
+PetscErrorCode MpmDistanceRead(const char where[], const char path[], PetscInt dim, PetscReal unit,
+                               MpmDistance **distance);
+PetscErrorCode MpmDistanceDestroy(MpmDistance **distance);
 
 /*
    MpmGivenPlace - MpmLayoutPlace for the particles of a file. MpmGivenText - what of them is the file's, and what is not.

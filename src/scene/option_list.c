@@ -87,6 +87,7 @@ WHEN(HasSpeed, in != MPM_IN_JSON || MpmSceneIsPhysical(s))
 /* with courant auto step and drift differ from step to step; a checkpoint compares the drift, as it says how fast particles start */
 WHEN(HasOneStep, s->safety == 0)
 WHEN(HasSafety, s->safety > 0)
+WHEN(HasBound, s->safety > 0 || s->watched)
 WHEN(HasDrift, in == MPM_IN_CHECKPOINT || s->safety == 0)
 WHEN(HasTimeStep, s->safety == 0 && (in != MPM_IN_JSON || (MpmSceneIsPhysical(s) && MpmSceneHasStep(s))))
 WHEN(HasPolarisation, MpmSceneHasPoisson(s) && s->initial == MPM_INITIAL_MODE)
@@ -263,7 +264,7 @@ const MpmField MpmOptions[] = {
    ANY, EACH(AS_RANGE, layout.material.inclusion, layout.material.inclusion[0]), IN(30, 21, 18, 12), SHOWN(HasInclusion), .json = "material.inclusion"},
   {"colliders", MPM_BLOCKS, NULL, "momentum schemes but implicit: rigid bodies, as [{shape: plane, point: [0.5, 0.1], normal: [0, 1], contact: separating, friction: 0.3}]; shapes and contacts: mpmstab list colliders",
    NO_RANGE, .tasks = "run, spectrum, critical", MADE(AS_TEXT, colliders), IN(96, 78, 71, 59)},
-  {"bodies", MPM_BLOCKS, NULL, "kinematics finite: the particles, as bodies by shape, each with velocity, density, young (of a fluid bulk) and ppc, or of a file: [{shape: sphere, center: [0.5, 0.8], radius: 0.1, velocity: [0, -2]}, {shape: file, path: rock.csv}]",
+  {"bodies", MPM_BLOCKS, NULL, "kinematics finite: the particles, as bodies by shape, each with material, velocity, density, young (of a fluid bulk) and ppc, or of a file: [{shape: sphere, center: [0.5, 0.8], radius: 0.1, velocity: [0, -2], material: sand}, {shape: file, path: rock.csv}]",
    NO_RANGE, .tasks = "run, spectrum", MADE(AS_TEXT, bodies), IN(109, 92, 85, 0)},
   {"boundary", MPM_ENDS, "periodic", "the ends of the domain: periodic, or one or two of fixed, fixed_reaction, free, symmetry; of several directions as periodic,fixed-free",
    WORDS(MpmEndNames), MADE(AS_TEXT, boundary), IN(5, 4, 6, 4)},
@@ -285,8 +286,8 @@ const MpmField MpmOptions[] = {
    BETWEEN(0.01, 1), .tasks = "run", MADE(AS_REAL, safety), IN(88, 69, 63, 0), SHOWN(HasSafety)},
   {"dt", MPM_REAL, NULL, "time step, instead of courant",
    ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 27, 0, 0), SHOWN(HasTimeStep)},
-  {"step_bound", MPM_WORD, "lanczos", "courant auto: the bound of the step of the particles as they stand: lanczos, a certificate that particle watches; particle, proved; or lone, proved, as if each were alone",
-   WORDS(MpmStepBoundNames), .tasks = "run", KEPT(AS_WORD, step_bound), IN(0, 90, 83, 0), SHOWN(HasSafety)},
+  {"step_bound", MPM_WORD, "lanczos", "kinematics finite: the bound of the step of the particles as they stand, that courant auto takes a part of, or that other steps are compared with: lanczos, a certificate that particle watches; particle, proved; or lone, proved, as if each were alone",
+   WORDS(MpmStepBoundNames), .tasks = "run", KEPT(AS_WORD, step_bound), IN(0, 90, 83, 0), SHOWN(HasBound)},
   {"drift", MPM_FRACTION, "0", "cells a particle moves per step, U0 dt / h; a number or 1/8",
    BETWEEN(-1e6, 1e6), .rival = "velocity,mach", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), SHOWN(HasDrift), .exact = PETSC_TRUE},
   {"velocity", MPM_REAL, NULL, "U0, instead of drift",

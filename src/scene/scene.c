@@ -389,7 +389,8 @@ static const MpmRule rules[] = {
   {"fill", "counts", MPM_FROM_SCENE, HasCounts, "allowed: with ppc (counts may be 0 where there is nothing)"},
   {"shape", "kinematics,dim", MPM_FROM_SCENE, HasNoShapes, "allowed: with kinematics finite and dim 2 or 3"},
   {"poisson", "dim,formulation", MPM_FROM_SCENE, HasNoPoisson, "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"},
-  {"safety,step_bound", "courant", MPM_FROM_SCENE, HasOneStep, "allowed: only with courant auto"},
+  {"safety", "courant", MPM_FROM_SCENE, HasOneStep, "allowed: only with courant auto"},
+  {"step_bound", "kinematics", MPM_FROM_SCENE, IsLinear, "allowed: only with kinematics finite ('mpmstab critical' finds the bounds of a linear step)"},
   {"density_ratio,stiffness_ratio", "material", MPM_FROM_SCENE, HasOneMaterial, "allowed: only with material two or graded"},
   {"inclusion", "material", MPM_FROM_SCENE, HasNoInclusion, "allowed: only with material two"},
   {NULL}};
@@ -459,7 +460,7 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene)
     PetscCall(MpmTableDestroy(&(*scene)->scheme.table));
     PetscCall(PetscFree((*scene)->layout.spans));
     PetscCall(MpmGivenDestroy(&(*scene)->layout.given));
-    PetscCall(PetscFree((*scene)->layout.colliders));
+    PetscCall(MpmSettingsForgetColliders(&(*scene)->layout.colliders));
     PetscCall(MpmWrittenFormulationDestroy(&(*scene)->own));
     PetscCall(MpmWrittenDestroy(&(*scene)->written));
   }

@@ -127,7 +127,16 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
   PetscBool moves = PETSC_FALSE;
 
   PetscFunctionBegin;
-  if (!MpmSettingsIsAlso(settings, "courant")) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!MpmSettingsIsAlso(settings, "courant")) {
+    scene->watched = scene->scheme.space.finite && MpmSettingsSource(settings, "step_bound") != MPM_FROM_DEFAULT &&
+                             MpmSettingsGiven(settings, "step_bound")
+                         ? PETSC_TRUE
+                         : PETSC_FALSE;
+    MpmSettingsRefuseIf(scene->watched && MpmFormulationHas(scene->scheme.formulation, MPM_IMPLICIT), settings,
+                        "step_bound",
+                        "an implicit step has no limit that the speed of waves sets; allowed: without it");
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   scene->safety = less ? SAFETY_LESS : SAFETY;
   if (MpmSettingsGiven(settings, "safety")) PetscCall(MpmSettingsReal(settings, "safety", &scene->safety));
   MpmSettingsRefuseIf(!scene->scheme.space.finite, settings, "courant",

@@ -60,7 +60,7 @@ static PetscErrorCode FromSolid(const MpmSettings *settings, MpmScene *scene)
 {
   const PetscInt           dim      = scene->layout.dim;
   const PetscReal          nu       = scene->scheme.space.poisson;
-  const MpmMaterialNumbers material = {scene->law, (1 - 2 * nu) / (2 * (1 - nu)), nu / (1 - nu), 0, {0}};
+  const MpmMaterialNumbers material = {scene->law, (1 - 2 * nu) / (2 * (1 - nu)), nu / (1 - nu), 0, {0}, NULL};
   MpmSpace                *space    = &scene->scheme.space;
   PetscReal                F[MPM_MAX_DIM * MPM_MAX_DIM] = {0}, tau[MPM_MAX_STRESS], sigma[MPM_MAX_DIM] = {0}, M;
   const PetscReal         *from[MPM_MAX_DIM * MPM_MAX_DIM];
@@ -180,7 +180,7 @@ static PetscReal ModulusAlongX(const MpmMaterialNumbers *material, PetscInt dim,
   const PetscReal *from[MPM_MOST_STRETCH], *dfrom[MPM_MOST_STRETCH];
 
   for (PetscInt a = 0; a < dim; a++) dF[a] = F[a];
-  for (PetscInt c = 0; c < MpmMaterialComponents(material->law, dim); c++) {
+  for (PetscInt c = 0; c < MpmMaterialComponents(material, dim); c++) {
     from[c]  = &F[c];
     dfrom[c] = &dF[c];
   }
@@ -226,8 +226,7 @@ static PetscErrorCode ReadPlastic(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The steps of a formulation have one stage, so that a particle flows from the state of the step before. */
-static PetscBool HasOneStage(const MpmFormulation *f)
+PetscBool MpmFormulationHasOneStage(const MpmFormulation *f)
 {
   for (PetscInt field = 0; f->particle_fields[field]; field++)
     if (f->scratch[field] && f->particle_ranks[field] == MPM_TENSOR) return PETSC_FALSE;
@@ -246,9 +245,10 @@ static PetscErrorCode FromFinite(const MpmSettings *settings, MpmScene *scene)
   space->material = MpmMaterialOfRatio(scene->law, scene->law->solid ? scene->lame_ratio : 0, scene->exponent);
   PetscCall(PetscArraycpy(space->material.plastic, scene->plastic, MPM_PLASTIC_NUMBERS));
   if (scene->law->plastic)
-    PetscCall(MpmSettingsRequire(settings, scene, "material", HasOneStage, "steps of one stage, without IMPLICIT"));
-  for (PetscInt c = dim * dim; c < MpmMaterialComponents(scene->law, dim); c++)
-    (void)MpmMaterialInternal(scene->law, c - dim * dim, &F[c]);
+    PetscCall(MpmSettingsRequire(settings, scene, "material", MpmFormulationHasOneStage,
+                                 "steps of one stage, without IMPLICIT"));
+  for (PetscInt c = dim * dim; c < MpmMaterialComponents(&space->material, dim); c++)
+    (void)MpmMaterialInternal(&space->material, dim, c - dim * dim, &F[c]);
   for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = space->stretch[a] = scene->stretch[a];
   modulus = ModulusAlongX(&space->material, dim, F);
   MpmSettingsRefuseIf(!(modulus > 0) || !isfinite(modulus), settings, "stretch", stiff);

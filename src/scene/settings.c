@@ -223,6 +223,7 @@ PetscErrorCode MpmSettingsCreate(MpmSettings **settings)
 {
   PetscFunctionBegin;
   PetscCall(PetscNew(settings));
+  PetscCall(PetscNew(&(*settings)->files));
   for (PetscInt i = 0; MpmOptions[i].name; i++) {
     PetscCheck(i < MPM_MAX_OPTIONS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_OPTIONS");
     if (MpmOptions[i].fallback) PetscCall(PetscStrallocpy(MpmOptions[i].fallback, &(*settings)->text[i]));
@@ -241,6 +242,8 @@ PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
     }
     PetscCall(MpmWrittenDestroy(&(*settings)->inside));
     PetscCall(MpmWrittenDestroy(&(*settings)->outside));
+    MpmTextFree((*settings)->files);
+    PetscCall(PetscFree((*settings)->files));
   }
   PetscCall(PetscFree(*settings));
   PetscFunctionReturn(PETSC_SUCCESS);

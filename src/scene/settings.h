@@ -4,6 +4,7 @@
    value refuse what is not allowed, with one message that names the option, its value and what is allowed.
 */
 #pragma once
+#include "base/text.h"
 #include "scene/fields.h"
 #include "scheme/language.h"
 #include <mpmstab/errors.h>
@@ -22,7 +23,8 @@ typedef struct {
 
 /*
    inside, outside: the schemes that are written in the scene and in the file that the option scheme names. scheme: the
-   one of them that counts; NULL: none. has_options: the command line has been read.
+   one of them that counts; NULL: none. has_options: the command line has been read. files: those that keys inside
+   options name, which have been read, a line each.
 */
 typedef struct {
   char     *text[MPM_MAX_OPTIONS]; /* NULL: not given and no default */
@@ -32,6 +34,7 @@ typedef struct {
 
   MpmWritten          *inside, *outside, *scheme;
   PetscBool            has_options;
+  MpmText             *files;
   PetscInt             nparameters;
   MpmSettingsParameter parameter[MPM_MOST_SAID];
 } MpmSettings;
@@ -158,6 +161,12 @@ typedef struct {
   PetscBool (*when)(const MpmScene *scene, const MpmRequest *request);
   const char *why;
 } MpmRule;
+
+/* Not collective. Whether a step has one stage, without IMPLICIT, so that a particle flows from the state of the step before. */
+PetscBool MpmFormulationHasOneStage(const MpmFormulation *f);
+
+/* Not collective. Frees the colliders of a layout. */
+PetscErrorCode MpmSettingsForgetColliders(const MpmColliders **colliders);
 
 /* Defines a condition of rules. */
 #define MPM_WHEN(function, condition)                                                                                  \

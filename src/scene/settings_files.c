@@ -61,6 +61,20 @@ static PetscBool HasWord(const char command[], const char path[])
   return PETSC_FALSE;
 }
 
+/* Whether a file is one of those that keys inside options name. */
+static PetscBool IsInside(const MpmText *files, const char path[])
+{
+  const char *line = files->text ? files->text : "";
+  char        file[PETSC_MAX_PATH_LEN];
+
+  for (size_t n; *line; line += n + 1) {
+    n = strcspn(line, "\n");
+    (void)snprintf(file, sizeof file, "%.*s", (int)n, line);
+    if (MpmFileIsSame(file, path)) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* Says as what a file is read; "": it is not. */
 static PetscErrorCode FindInput(const MpmSettings *settings, const char task[], const char path[], size_t room,
                                 char role[])
@@ -76,6 +90,7 @@ static PetscErrorCode FindInput(const MpmSettings *settings, const char task[], 
       (void)snprintf(role, room, "%s", MpmOptions[i].name);
   if (MpmSettingsGiven(settings, "program") && HasWord(MpmSettingsText(settings, "program"), path))
     (void)snprintf(role, room, "%s", "program");
+  if (IsInside(settings->files, path)) (void)snprintf(role, room, "%s", "path of a body");
   for (int i = 0; there; i++) {
     PetscCall(MpmSettingsPlaceFile(i, sizeof file, file, &there));
     if (there && MpmFileIsSame(file, path)) (void)snprintf(role, room, "%s", "file of options");

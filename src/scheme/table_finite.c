@@ -39,10 +39,10 @@ PetscErrorCode MpmFiniteAddState(MpmTableBuilder *b, PetscInt field)
   PetscCheck(t->stretch == MPM_NONE, PETSC_COMM_SELF, PETSC_ERR_SUP, "the table: two stresses at finite deformation");
   t->stretch = t->nstate;
   PetscCall(MpmBuilderAddComponents(t, "f", MPM_STRETCHED, MPM_TENSOR, PETSC_TRUE));
-  for (PetscInt c = t->dim * t->dim; c < MpmMaterialComponents(b->space->material.law, t->dim); c++) {
+  for (PetscInt c = t->dim * t->dim; c < MpmMaterialComponents(&b->space->material, t->dim); c++) {
     PetscReal start;
 
-    PetscCall(MpmBuilderAddState(t, MpmMaterialInternal(b->space->material.law, c - t->dim * t->dim, &start),
+    PetscCall(MpmBuilderAddState(t, MpmMaterialInternal(&b->space->material, t->dim, c - t->dim * t->dim, &start),
                                  MPM_STRETCHED, c));
   }
   b->particle[field] = MPM_NONE;
@@ -179,7 +179,7 @@ static PetscErrorCode Stretch(MpmTableBuilder *b)
   if (b->stretching != MPM_NONE)
     PetscCall(MpmTableAppendOwn(
         b->table, (MpmOp){.kind = MPM_STRETCH, .dst = b->stretching, .src = b->slope, .factor = b->staged ? 0.5 : 0}));
-  if (b->stretching != MPM_NONE && b->space->material.law->plastic)
+  if (b->stretching != MPM_NONE && MpmMaterialFlows(&b->space->material))
     PetscCall(MpmTableAppendOwn(b->table,
                                 (MpmOp){.kind = MPM_RETURN, .dst = b->stretching, .src = b->stretching, .factor = 1}));
   b->stretching = MPM_NONE;

@@ -63,13 +63,26 @@ static void PrintNumber(PetscReal value)
     MpmPrint("  %11s", "off range");
 }
 
-/* What bounded the smallest step, so that a person can look. */
-static void Decided(json_t *result, const MpmRun *run)
+/* Which share of the steps stood under the bound, and would have if they had been longer. */
+static void Under(json_t *result, const char name[], const MpmPaceHeld *h)
 {
-  const MpmPaceHeld *h   = &run->pace->held;
-  const PetscInt     dim = run->scene->layout.dim;
-  PetscReal          x[MPM_MAX_DIM];
-  char               place[MPM_VECTOR_TEXT];
+  if (h->steps == 0) return;
+  MpmPrint("  %-10s %.4g %% of %" PetscInt64_FMT " steps were under it", name, 100 * h->under[0] / h->steps,
+           (PetscInt64)h->steps);
+  for (PetscInt f = 0; f < MPM_PACE_FACTORS; f++) {
+    MpmResultKeep(MpmResultNext(result, "under"), "%g{times} %g{share}", MpmPaceFactors[f], h->under[f] / h->steps);
+    if (f > 0)
+      MpmPrint("%s%.4g %% if %g times as long", f == 1 ? "; " : ", ", 100 * h->under[f] / h->steps, MpmPaceFactors[f]);
+  }
+  MpmPrint("\n");
+}
+
+/* What bounded the smallest step, so that a person can look. */
+static void Decided(json_t *result, const MpmRun *run, const MpmPaceHeld *h, const char name[])
+{
+  const PetscInt dim = run->scene->layout.dim;
+  PetscReal      x[MPM_MAX_DIM];
+  char           place[MPM_VECTOR_TEXT];
 
   if (h->step == 0) return;
   for (PetscInt a = 0; a < dim; a++) x[a] = h->place[a] * run->scene->cell_width;
@@ -79,7 +92,7 @@ static void Decided(json_t *result, const MpmRun *run)
                "  %-10s step %" PetscInt64_FMT
                "{step}: the particles as they stood had the least bound at particle %" PetscInt64_FMT
                ", at %s; its number is %.6g{number} h / c\n",
-               "smallest", (PetscInt64)h->step, (PetscInt64)h->id, MpmVectorText(dim, x, 6, place), h->number);
+               name, (PetscInt64)h->step, (PetscInt64)h->id, MpmVectorText(dim, x, 6, place), h->number);
 }
 
 /* How the steps of a run were chosen. */
@@ -122,7 +135,27 @@ static void Pace(json_t *result, const MpmRun *run)
   if (pace->taken[MPM_PACE_MOTION])
     MpmPrint("  %-10s %-9" PetscInt64_FMT " steps: the fastest particle may not go a cell in a step\n", "by motion",
              pace->taken[MPM_PACE_MOTION]);
-  if (!pace->why_not) Decided(MpmResultIn(result, "decided"), run);
+  if (!pace->why_not) Decided(MpmResultIn(result, "decided"), run, h, "smallest");
+  Under(result, pace->why_not ? "limit" : "bound", h);
+  MpmPrint("\n");
+}
+
+/* How the steps of a run, which are all alike, compare with the bound. */
+static void Watch(json_t *result, const MpmRun *run)
+{
+  const MpmPace     *pace = run->watch;
+  const MpmPaceHeld *h    = &pace->held;
+
+  if (h->steps == 0) return;
+  MpmResultSay(result, "bound of the step: at least %.4g{least} of dt (%s{limited_by})", h->share,
+               pace->why_not ? MpmPaceLimitName(pace) : MpmStepBoundNames[run->scene->step_bound]);
+  if (pace->why_not) MpmResultSay(result, ", the limit of particles at rest in a lattice; %s{no_bound}", pace->why_not);
+  MpmPrint("\n");
+  Under(result, pace->why_not ? "limit" : "bound", h);
+  if (h->above > 0)
+    MpmResultSay(result, "  %-10s step %" PetscInt64_FMT "{first_above} was the first\n", "above it",
+                 (PetscInt64)h->above);
+  if (!pace->why_not) Decided(MpmResultIn(result, "decided"), run, h, "least");
   MpmPrint("\n");
 }
 
@@ -141,6 +174,7 @@ static void Scene(json_t *result, const MpmRun *run)
   if (!run->pace) MpmPrint(" of dt = %.6g", s->dt);
   MpmResultSay(result, " to time %.6g{time}\n\n", run->time);
   if (run->pace) Pace(MpmResultIn(result, "courant_auto"), run);
+  if (run->watch) Watch(MpmResultIn(result, "step_watch"), run);
 }
 
 static void Prediction(json_t *result, const char key[], const char name[], PetscReal growth, const char formula[])

@@ -62,7 +62,7 @@ static PetscErrorCode FillState(const MpmScene *scene, const MpmTangentSpace *sp
     PetscReal middle = diagonal ? 1.1 : 0;
 
     if (c >= t->dim * t->dim && c < MpmTableStretches(t))
-      (void)MpmMaterialInternal(t->material.law, c - t->dim * t->dim, &middle);
+      (void)MpmMaterialInternal(&t->material, t->dim, c - t->dim * t->dim, &middle);
     PetscCall(Fill(100 + f, 0.1, middle, state->field[f]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

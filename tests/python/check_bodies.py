@@ -1,10 +1,13 @@
 #!/usr/bin/python3
 """Bodies of particles by shape and from files, against what is exact: the same particles by other words, free flight, the
-velocity between two bars that meet, and equal results on all ranks.
+velocity between two bars that meet, each of several materials as in a run of it alone, a ball by its signed distance as by
+its formula, and equal results on all ranks.
 
 check_bodies.py MPIEXEC MPMSTAB. Silent when all is well.
 """
+import json
 import math
+import re
 import subprocess
 import sys
 import tempfile
@@ -92,6 +95,104 @@ def check_bars():
     check(len(middle) > 10 and abs(np.median(middle) - expected) < 2e-4, f"between the waves {np.median(middle)}, not {expected}")
 
 
+APART = ["{shape: sphere, center: [0.18, 0.28], radius: 0.12, velocity: [0, -0.4]",
+         "{shape: box, center: [0.54, 0.31], size: [0.16, 0.3], velocity: [0, -0.3]",
+         "{shape: sphere, center: [0.85, 0.7], radius: 0.1, velocity: [0.8, 0], young: 3e5"]
+LAWS = [("sand", "friction_angle", 25), ("mises", "yield", 0.0005), ("neo", "", None)]
+PUSH = ["-colliders", "[{shape: plane, point: [0, 0.14], normal: [0, 1], contact: separating, friction: 0.3}, "
+        "{shape: box, center: [1.13, 0.5], size: [0.3, 1], contact: separating}]"]
+
+
+def check_materials():
+    """Bodies of several materials that do not touch are what each is in a run of its own: also on ranks, by the plain march, and
+    when the run is resumed."""
+    words = [word if word != "16" else "32" for word in [*SCENE, *PUSH, "-courant", "0.2", "-steps", "250"]]
+    own = [f"{{body}}, material: {law}{f', {key}: {value}' if key else ''}}}" for law, key, value in LAWS]
+    both = "[" + ", ".join(text.replace("{body}", body).rstrip("}") + "}" for text, body in zip(own, APART)) + "]"
+    run(*words, "-bodies", both, "-output", "all.h5", "-checkpoint", "all.c.h5")
+    all_of = steps("all.h5")[-1][1]
+    check(set(all_of["material"]) == {0, 1, 2}, f"numbers of materials {set(all_of['material'])}")
+    for number, ((law, key, value), body) in enumerate(zip(LAWS, APART)):
+        option = [f"-{key}", str(value)] if key else []
+        alone = [word if word != "neo" else law for word in words]
+        run(*alone, *option, "-bodies", body + "}", "-output", "one.h5")
+        one = steps("one.h5")[-1][1]
+        here = all_of["material"] == number
+        check(0 < here.sum() == len(one["v_x"]), f"{law}: {here.sum()} particles")
+        compare(law, {name: item for name, item in one.items() if name in all_of},
+                {name: item[here] for name, item in all_of.items()}, 1e-11)
+        moved = {"sand": "volume_gain", "mises": "plastic_strain"}.get(law)
+        check(not moved or np.abs(one[moved]).max() > 1e-4, f"{law} has not flowed")
+    for ranks in (2, 3):
+        run(*words, "-bodies", both, "-output", "other.h5", ranks=ranks)
+        compare(f"materials on {ranks} ranks", all_of, steps("other.h5")[-1][1], 1e-10)
+    run(*words, "-bodies", both, "-output", "other.h5", "-march", "plain")
+    compare("materials by the plain march", all_of, steps("other.h5")[-1][1], 1e-10)
+    run(*words[:-2], "-steps", "120", "-bodies", both, "-checkpoint", "half.h5")
+    run(*words, "-bodies", both, "-restart", "half.h5", "-output", "other.h5", ranks=2)
+    compare("materials resumed", all_of, steps("other.h5")[-1][1], 1e-10)
+
+
+def check_tangent():
+    """The tangent's step is the march's, with bodies of several moduli and materials that meet, on either branch."""
+    words = ("-dim 2 -kinematics finite -formulation usl -basis quadratic -cells 8 -length 1 -boundary free -ppc 1 -density 1000 "
+             "-young 1e5 -poisson 0.3 -courant 0.3 -at_step 10").split()
+    one, other = "{shape: box, center: [0.25, 0.5], size: [0.25, 0.25], velocity: [0.5, 0]", \
+        "{shape: sphere, center: [0.6, 0.52], radius: 0.2, velocity: [-0.5, 0.1]"
+    for left, right in (("", ", young: 3e5"), (", material: sand", ", material: mises, yield: 1e-4, young: 3e5, poisson: 0.1"),
+                        (", material: snow", ", material: tait, bulk: 1e5")):
+        done = subprocess.run([MPMSTAB, "spectrum", *words, "-bodies", f"[{one}{left}}}, {other}{right}}}]"], capture_output=True,
+                              text=True, check=False)
+        found = re.search(r"its step differs from the march's by (\S+)", done.stdout)
+        check(found and float(found[1]) < 1e-12, f"tangent with {left} and {right}: {found and found[1]} {done.stderr}")
+
+
+def write_distance(path, h, center=(0.5, 0.45), radius=0.18):
+    x, y = np.meshgrid(np.arange(0.2, 0.8 + h / 2, h), np.arange(0.15, 0.75 + h / 2, h), indexing="ij")
+    with h5py.File(path, "w") as file:
+        file["distance"] = np.hypot(x - center[0], y - center[1]) - radius
+        file["origin"], file["spacing"] = [0.2, 0.15], h
+
+
+def check_distance():
+    """A body by its signed distance has the particles of the ball, and a collider acts as the ball does, to order 1: its
+    normal has that order."""
+    write_distance("ball.h5", 0.002)
+    words = [*SCENE, "-courant", "0.2", "-steps", "60"]
+    ball = "{shape: sphere, center: [0.5, 0.45], radius: 0.18"
+    run(*words, "-bodies", ball + "}", "-output", "ball.out.h5")
+    run(*words, "-bodies", "{shape: distance, path: ball.h5}", "-output", "grid.out.h5")
+    compare("particles inside a signed distance", steps("ball.out.h5")[0][1], steps("grid.out.h5")[0][1], 0)
+    falls = ["-gravity", "0,-9.81", "-bodies", "{shape: box, center: [0.55, 0.8], size: [0.3, 0.2], velocity: [0, -2]}"]
+    run(*words, *falls, "-colliders", ball + ", contact: separating, friction: 0.2}", "-output", "ball.out.h5")
+    exact, off = steps("ball.out.h5")[-1][1], []
+    check(exact["v_y"].max() > -2, "the block has not met the ball")
+    for h in (0.02, 0.01, 0.005):
+        write_distance("ball.h5", h)
+        run(*words, *falls, "-colliders", "{shape: distance, path: ball.h5, contact: separating, friction: 0.2}", "-output",
+            "grid.out.h5")
+        found = steps("grid.out.h5")[-1][1]
+        off.append(np.abs(found["coordinates"] - exact["coordinates"]).max())
+    check(off[0] < 1e-3 and off[2] < off[0] / 2.5, f"a ball by its signed distance is off by {off}")
+
+
+def check_watch():
+    """A run with a number for courant says which steps were above the bound: none at 0.9 of it, all at 1.1 of it."""
+    words = [*SCENE, "-bodies", "{shape: sphere, center: [0.5, 0.5], radius: 0.3}", "-step_bound", "particle", "-steps", "5"]
+    run(*words, "-courant", "auto", "-safety", "1", "-json", "auto.json")
+    with open("auto.json", encoding="utf-8") as file:
+        auto = json.load(file)["run"]["courant_auto"]
+    check([row["share"] for row in auto["under"]] == [1, 0, 0, 0, 0], f"{auto['under']}")
+    for part, above in ((0.9, 0), (1.2, 1)):
+        run(*words, "-courant", str(part * auto["limit"]), "-json", "watch.json")
+        with open("watch.json", encoding="utf-8") as file:
+            watch = json.load(file)["run"]["step_watch"]
+        shares = [row["share"] for row in watch["under"]]
+        check(shares == [1 - above, 1 - above, 0, 0, 0] and watch.get("first_above", 0) == above, f"{part}: {watch}")
+        check(watch["decided"]["id"] == auto["decided"]["id"], f"{part}: {watch['decided']}")
+    run(*words, "-courant", "0.1", "-json", "watch.json", ranks=2)
+
+
 def check_ranks():
     bodies = ("[{shape: sphere, center: [0.25, 0.5], radius: 0.15, velocity: [0.8, 0], density: 500}, "
               "{shape: sphere, center: [0.7, 0.55], radius: 0.15, velocity: [-0.8, 0], young: 4e5, ppc: 3}]")
@@ -109,4 +210,8 @@ with tempfile.TemporaryDirectory() as folder:
     check_same()
     check_flight()
     check_bars()
+    check_materials()
+    check_tangent()
+    check_distance()
+    check_watch()
     check_ranks()

@@ -87,8 +87,8 @@ def check_table(case, kinds, recommended):
         limit = one.get("quantiles", {}).get("5", one.get("critical_courant"))
         assert rows[kind].get("courant") == limit, (case, kind, rows[kind], one)
     for row in [*rows.values(), found["recommended"]]:
-        assert ("courant" in row) == ("seconds" in row) and \
-            abs(row.get("seconds", 0) - row.get("courant", 0) * 0.5 / 8) < 1e-15, (case, row)
+        assert ("courant" in row) == ("dt" in row) and \
+            abs(row.get("dt", 0) - row.get("courant", 0) * 0.5 / 8) < 1e-15, (case, row)
     for name in set(rows) - {"lattice", "bound", *kinds}:
         assert "courant" in rows[name] or f"-neighbourhood {name}" in rows[name]["how"] or name == "worst", (case, rows[name])
     assert found["recommended"].get("courant") == (rows[recommended]["courant"] if recommended else None), (case, found)

@@ -83,6 +83,10 @@ def check_kept():
             ("-history: PETSc would write over a file", "run", "s.yaml", "-history", "hard.json"),
             ("-mat_view: PETSc would write over a file", "spectrum", "-matrix", "a.mtx", "-mat_view", "binary:a.mtx")]:
         refuse(says, *words)
+    write("body.csv", "x\n0.2\n0.4\n")
+    bodies = ["run", *STEPS, "-kinematics", "finite", "-bodies", "[{shape: file, path: ./body.csv}]"]
+    for option in ("-csv", "-json"):
+        refuse(f"{option} body.csv: that is the path of a body; allowed", *bodies, option, "body.csv")
     os.rename("options", ".petscrc")
     refuse("that is the file of options", "run", *STEPS[2:], "-json", ".petscrc")
     os.remove(".petscrc")

@@ -3,6 +3,7 @@
 
 check_scenes.py MPIEXEC MPMSTAB ranks|pages. Silent when all is well.
 """
+import json
 import math
 import os
 import re
@@ -90,6 +91,52 @@ def check_beam():
     check(abs(back / beam - 1) < 0.02, f"cantilever: {back} and {beam}")
 
 
+def energy(name):
+    """The energies at the start and at the end of the last run, which has written NAME.json."""
+    with open(f"{name}.json", encoding="utf-8") as file:
+        found = json.load(file)["run"]["energy"]
+    return found["initial"], found["final"]
+
+
+def check_sand():
+    steps = run("sand-column", "-json", "sand-column.json")
+    first, last = steps[0]["coordinates"], steps[-1]["coordinates"]
+    start, end = energy("sand-column")
+    half = (first[1, 0] - first[0, 0]) / 2
+    quotes("sand-column", f"is {last[:, 1].max():.2f} m high", f"particle is {last[:, 0].max():.2f} m from",
+           f"{last[:, 0].max() - (first[:, 0].max() + half):.2f} times", f"within {np.quantile(last[:, 0], 0.99):.2f} m.")
+    check(abs(end / start - 0.5) < 0.04, f"sand-column: {end / start} of the energy")
+
+
+def check_dam():
+    steps = run("dam-break", "-output_every", "50", "-json", "dam-break.json")
+    at = min(steps, key=lambda step: abs(step["time"] - 0.4))
+    start, end = energy("dam-break")
+    way = at["coordinates"][:, 0].max() - steps[0]["coordinates"][:, 0].max()
+    quotes("dam-break", f"the front is {way:.1f} from", f"= {2 * math.sqrt(9.81 * 0.8) * 0.4:.2f},", f"has {100 * end / start:.1f} %")
+    check(way < 2 * math.sqrt(9.81 * 0.8) * at["time"], f"dam-break: {way} at {at['time']}")
+
+
+def check_energies():
+    run("bouncing-block", "-json", "bouncing-block.json")
+    start, end = energy("bouncing-block")
+    quotes("bouncing-block", f"has {100 * end / start:.1f} % of its energy")
+    run("colliding-discs", "-json", "colliding-discs.json")
+    start, end = energy("colliding-discs")
+    quotes("colliding-discs", f"is {1e3 * start:.3f}e-3 until", f"{1e3 * end:.3f}e-3 at the end", f"is {100 * end / start:.1f}%")
+
+
+def check_swing():
+    steps = run("cantilever", "-output_interval", "0.01", "-json", "cantilever.json")
+    start, end = energy("cantilever")
+    first = steps[0]["coordinates"]
+    tip = (first[:, 0] - first[:, 1]).argmax()
+    y = [step["coordinates"][tip, 1] for step in steps]
+    lowest = int(np.argmin(y))
+    quotes("cantilever", f"falls from {y[0]:.1f} to {y[lowest]:.1f} in {steps[lowest]['time']:.2f} units", f"back at {y[-1]:.1f} after",
+           f"from {start:.1f} to {end:.1f}; the lost {start - end:.1f}")
+
+
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     if PART == "ranks":
@@ -100,3 +147,7 @@ with tempfile.TemporaryDirectory() as folder:
         check_clay()
         check_bank()
         check_beam()
+        check_sand()
+        check_dam()
+        check_energies()
+        check_swing()

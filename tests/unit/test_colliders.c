@@ -6,6 +6,7 @@
 #include "check.h"
 #include <mpmstab/collider.h>
 #include <math.h>
+#include <stdlib.h>
 
 #define TRIES 400
 #define STEP 1e-5
@@ -174,15 +175,79 @@ static void CheckMotion(void)
   CHECK(MpmColliderMoves(&body), "it moves");
 }
 
+/* A ball whose signed distance is known at nodes that are so far apart, between -2 and 2. */
+static void Sample(const MpmCollider *ball, PetscInt dim, PetscReal spacing, MpmDistance *grid)
+{
+  PetscInt all = 1;
+
+  for (PetscInt a = 0; a < dim; a++) {
+    grid->n[a]       = (PetscInt)lrint(4 / spacing) + 1;
+    grid->origin[a]  = -2;
+    grid->spacing[a] = spacing;
+    all *= grid->n[a];
+  }
+  grid->value = malloc((size_t)all * sizeof(PetscReal));
+  for (PetscInt at = 0; at < all; at++) {
+    PetscReal x[MPM_MAX_DIM], normal[MPM_MAX_DIM];
+
+    for (PetscInt a = dim - 1, rest = at; a >= 0; rest /= grid->n[a--]) x[a] = -2 + spacing * (rest % grid->n[a]);
+    grid->value[at] = ball->shape->distance(ball, dim, x, normal);
+  }
+}
+
+/* A signed distance on a grid has the ball's distance to order 2, its normal to order 1, and its extent to order 2. */
+static void CheckDistance(const MpmColliderShape *sphere, const MpmColliderShape *shape, PetscInt dim)
+{
+  const MpmCollider ball        = {.shape = sphere, .value = {{0.11, -0.07, 0.05}, {1.1}}};
+  PetscReal         worst[3][3] = {{0}}, lo[2][MPM_MAX_DIM], hi[2][MPM_MAX_DIM];
+
+  for (int level = 0; level < 3; level++) {
+    MpmDistance       grid = {.value = NULL};
+    const MpmCollider body = {.shape = shape, .grid = &grid};
+
+    Sample(&ball, dim, 0.2 / (1 << level), &grid);
+    for (int i = 0; i < 20 * TRIES; i++) {
+      PetscReal x[MPM_MAX_DIM], n[2][MPM_MAX_DIM], d[2];
+
+      for (PetscInt a = 0; a < dim; a++) x[a] = 3.6 * Random();
+      d[0] = sphere->distance(&ball, dim, x, n[0]);
+      d[1] = shape->distance(&body, dim, x, n[1]);
+      if (d[0] < -0.6 || d[0] > 0.6) continue;
+      worst[0][level] = PetscMax(worst[0][level], fabs(d[1] - d[0]));
+      for (PetscInt a = 0; a < dim; a++) worst[1][level] = PetscMax(worst[1][level], fabs(n[1][a] - n[0][a]));
+    }
+    sphere->extent(&ball, dim, lo[0], hi[0]);
+    shape->extent(&body, dim, lo[1], hi[1]);
+    for (PetscInt a = 0; a < dim; a++)
+      worst[2][level] = PetscMax(worst[2][level], PetscMax(fabs(lo[1][a] - lo[0][a]), fabs(hi[1][a] - hi[0][a])));
+    free(grid.value);
+  }
+  for (int level = 0; level < 2; level++) {
+    const PetscReal *d = worst[0] + level, *n = worst[1] + level, *e = worst[2] + level;
+
+    if (dim == 1) CHECK(d[0] < 1e-12 && n[0] < 1e-12 && e[0] < 1e-12, "it is linear, and off by %g", d[0]);
+    if (dim == 1) continue;
+    CHECK(d[0] / d[1] > 3.2 && d[0] / d[1] < 5, "dim %d: the distance is off by %g, then %g", (int)dim, d[0], d[1]);
+    CHECK(n[0] / n[1] > 1.6 && n[0] / n[1] < 2.6, "dim %d: the normal is off by %g, then %g", (int)dim, n[0], n[1]);
+    CHECK(e[0] < 0.25 * 0.04 / (1 << 2 * level), "dim %d: the extent is off by %g", (int)dim, e[0]);
+  }
+}
+
 static PetscErrorCode Test(int argc, char **argv)
 {
   PetscFunctionBegin;
   (void)argc, (void)argv;
   for (PetscInt dim = 1; dim <= MPM_MAX_DIM; dim++) {
-    for (PetscInt s = 0; MpmColliderShapes[s]; s++) CheckShape(MpmColliderShapes[s], dim);
+    for (PetscInt s = 0; MpmColliderShapes[s]; s++) {
+      if (MpmColliderShapes[s]->holds[0] == MPM_KEY_FILE)
+        CheckDistance(MpmColliderShapes[1], MpmColliderShapes[s], dim);
+      else
+        CheckShape(MpmColliderShapes[s], dim);
+    }
     for (PetscInt c = 0; MpmContacts[c]; c++)
       if (!MpmContacts[c]->pushes) CheckContact(MpmContacts[c], dim);
-    for (PetscInt s = 0; MpmColliderShapes[s]; s++) CheckPush(MpmColliderShapes[s], dim);
+    for (PetscInt s = 0; MpmColliderShapes[s]; s++)
+      if (MpmColliderShapes[s]->holds[0] != MPM_KEY_FILE) CheckPush(MpmColliderShapes[s], dim);
   }
   CheckNumbers();
   CheckMotion();

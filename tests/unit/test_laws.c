@@ -81,9 +81,9 @@ static void Pointers(const Tensors *t, const PetscReal *at[MPM_MOST_STRETCH])
 /* Internal variables near where they begin, which do not change along dF. */
 static void FillInternal(const MpmLaw *law, PetscInt dim, PetscReal size, Tensors *F, Tensors *dF)
 {
-  for (PetscInt c = dim * dim; c < MpmMaterialComponents(law, dim); c++)
+  for (PetscInt c = dim * dim; c < MpmLawComponents(law, dim); c++)
     for (PetscInt p = 0; p < STATES; p++) {
-      (void)MpmMaterialInternal(law, c - dim * dim, &F->f[c][p]);
+      (void)MpmMaterialInternal(&(MpmMaterialNumbers){.law = law}, dim, c - dim * dim, &F->f[c][p]);
       F->f[c][p] += size * Random();
       if (dF) dF->f[c][p] = 0;
     }

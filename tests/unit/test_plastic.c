@@ -28,8 +28,8 @@ static State AtRest(const MpmLaw *law, PetscInt dim)
   State s;
 
   for (PetscInt c = 0; c < dim * dim; c++) s.f[c] = c % (dim + 1) == 0;
-  for (PetscInt c = dim * dim; c < MpmMaterialComponents(law, dim); c++)
-    (void)MpmMaterialInternal(law, c - dim * dim, &s.f[c]);
+  for (PetscInt c = dim * dim; c < MpmLawComponents(law, dim); c++)
+    (void)MpmMaterialInternal(&(MpmMaterialNumbers){.law = law}, dim, c - dim * dim, &s.f[c]);
   return s;
 }
 
@@ -97,7 +97,7 @@ static PetscBool Same(const State *a, const State *b, PetscInt n)
 /* Random trial values, some within the yield surface and some beyond. Where a stencil meets a kink the tangent jumps. */
 static void CheckTangent(const MpmMaterialNumbers *m, PetscInt dim, PetscReal size)
 {
-  const PetscInt n          = MpmMaterialComponents(m->law, dim);
+  const PetscInt n          = MpmLawComponents(m->law, dim);
   PetscInt       checked[2] = {0, 0}, kinks = 0, on_surface;
 
   for (PetscInt i = 0; i < STATES; i++) {
@@ -136,7 +136,7 @@ static void CheckTangent(const MpmMaterialNumbers *m, PetscInt dim, PetscReal si
 /* A state that has flowed stands on the surface. There the branches are those of a little more, and of a little less. */
 static void CheckBranches(const MpmMaterialNumbers *m, PetscInt dim)
 {
-  const PetscInt n = MpmMaterialComponents(m->law, dim);
+  const PetscInt n = MpmLawComponents(m->law, dim);
   State          s = AtRest(m->law, dim), d = {{0}}, loading, unloading, other;
   PetscInt       on_surface;
 
@@ -167,7 +167,7 @@ static PetscBool Gains(const MpmMaterialNumbers *m, const State *s, PetscInt dim
 /* Random paths of small steps: each flow takes elastic energy, and ends on the surface. */
 static void CheckPaths(const MpmMaterialNumbers *m, PetscInt dim)
 {
-  const PetscInt n     = MpmMaterialComponents(m->law, dim);
+  const PetscInt n     = MpmLawComponents(m->law, dim);
   PetscInt       flows = 0;
 
   for (PetscInt path = 0; path < 20; path++) {

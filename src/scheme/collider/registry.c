@@ -3,10 +3,16 @@
 
 #define ON_SURFACE 1e-9 /* cells: nodes nearer to a surface are on it, and inside */
 
-extern const MpmColliderShape MpmColliderPlane, MpmColliderSphere, MpmColliderBox, MpmColliderCone, MpmColliderCylinder;
+extern const MpmColliderShape MpmColliderPlane, MpmColliderSphere, MpmColliderBox, MpmColliderCone, MpmColliderCylinder,
+    MpmColliderDistance;
 
-const MpmColliderShape *const MpmColliderShapes[] = {&MpmColliderPlane, &MpmColliderSphere,   &MpmColliderBox,
-                                                     &MpmColliderCone,  &MpmColliderCylinder, NULL};
+const MpmColliderShape *const MpmColliderShapes[] = {&MpmColliderPlane,
+                                                     &MpmColliderSphere,
+                                                     &MpmColliderBox,
+                                                     &MpmColliderCone,
+                                                     &MpmColliderCylinder,
+                                                     &MpmColliderDistance,
+                                                     NULL};
 
 PetscBool MpmCollidersAreLinear(const MpmColliders *colliders)
 {

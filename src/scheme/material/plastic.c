@@ -101,7 +101,7 @@ INLINE void Axes(const PetscInt dim, PetscInt count, const PetscReal *const F[],
 INLINE void PrincipalOf(const PetscInt dim, const MpmLaw *law, PetscInt count, const PetscReal *const F[],
                         Principal *at)
 {
-  const PetscReal *outside = law->plastic->outside && dim < 3 ? F[MpmMaterialComponents(law, dim) - 1] : NULL;
+  const PetscReal *outside = law->plastic->outside && dim < 3 ? F[MpmLawComponents(law, dim) - 1] : NULL;
 
   Axes(dim, count, F, at);
   EACH (a, dim) {
@@ -144,7 +144,7 @@ INLINE void StressOf(const PetscInt dim, const MpmMaterialNumbers *m, PetscInt n
     PetscReal       *to[6], T[3][MPM_LAW_BLOCK];
     Principal        at;
 
-    From(MpmMaterialComponents(law, dim), F, begin, from);
+    From(MpmLawComponents(law, dim), F, begin, from);
     PrincipalOf(dim, law, count, from, &at);
     EACH (c, SYMMETRIC(dim)) to[c] = tau[c] + begin;
     for (PetscInt p = 0; p < count; p++) {
@@ -168,7 +168,7 @@ static PetscBool Flow(const MpmMaterialNumbers *m, const PetscInt dim, PetscInt 
                       PetscReal *const F[], PetscReal r[3][MPM_LAW_BLOCK], PetscBool flows[])
 {
   const MpmPlastic *law     = m->law->plastic;
-  PetscReal        *outside = law->outside && dim < 3 ? F[MpmMaterialComponents(m->law, dim) - 1] : NULL;
+  PetscReal        *outside = law->outside && dim < 3 ? F[MpmLawComponents(m->law, dim) - 1] : NULL;
   PetscBool         any     = PETSC_FALSE;
 
   for (PetscInt p = 0; p < count; p++) {
@@ -195,8 +195,8 @@ INLINE void ReturnOf(const PetscInt dim, const MpmMaterialNumbers *m, PetscInt n
     PetscBool        flows[MPM_LAW_BLOCK];
     Principal        at;
 
-    From(MpmMaterialComponents(m->law, dim), (const PetscReal *const *)F, begin, from);
-    for (PetscInt c = 0; c < MpmMaterialComponents(m->law, dim); c++) at_F[c] = F[c] + begin;
+    From(MpmLawComponents(m->law, dim), (const PetscReal *const *)F, begin, from);
+    for (PetscInt c = 0; c < MpmLawComponents(m->law, dim); c++) at_F[c] = F[c] + begin;
     PrincipalOf(dim, m->law, count, from, &at);
     if (!Flow(m, dim, count, &at, at_F, r, flows)) continue;
     EACH (c, SYMMETRIC(dim)) to[c] = G[c];
@@ -218,7 +218,7 @@ INLINE void ReturnOf(const PetscInt dim, const MpmMaterialNumbers *m, PetscInt n
   }
 }
 
-void MpmMaterialReturn(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, PetscReal *const F[])
+void MpmPlasticReturn(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, PetscReal *const F[])
 {
   EACH_DIM(ReturnOf, m, n, F)
 }
@@ -231,7 +231,7 @@ void MpmPlasticEnergy(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, con
     const PetscReal *from[MPM_MOST_STRETCH];
     Principal        at;
 
-    From(MpmMaterialComponents(m->law, dim), F, begin, from);
+    From(MpmLawComponents(m->law, dim), F, begin, from);
     EACH_DIM(PrincipalOf, m->law, count, from, &at)
     for (PetscInt p = 0; p < count; p++)
       psi[begin + p] = m->law->plastic->energy(m, (PetscReal[]){at.e[0][p], at.e[1][p], at.e[2][p]},
@@ -263,7 +263,7 @@ static void Turn(PetscInt dim, const PetscReal U[], const PetscReal X[], PetscBo
 static void PointOf(const MpmLaw *law, PetscInt dim, PetscInt p, const PetscReal *const F[],
                     const PetscReal *const dF[], Point *point)
 {
-  const PetscInt   last = MpmMaterialComponents(law, dim) - 1;
+  const PetscInt   last = MpmLawComponents(law, dim) - 1;
   const PetscReal *from[MPM_MOST_STRETCH];
   PetscReal        f[9], L[9];
   Principal        at;
@@ -353,12 +353,12 @@ static void ReturnAlong(const MpmMaterialNumbers *m, PetscInt dim, PetscInt p, c
       for (PetscInt c = 0; c < dim; c++) sum += out[a * dim + c] * F[c * dim + b][p];
       after[a * dim + b][p] = sum;
     }
-  if (m->law->plastic->outside && dim < 3) after[MpmMaterialComponents(m->law, dim) - 1][p] = Dot(slope[2], point->de);
+  if (m->law->plastic->outside && dim < 3) after[MpmLawComponents(m->law, dim) - 1][p] = Dot(slope[2], point->de);
   if (m->law->plastic->internal) after[TENSOR(dim)][p] = Dot(slope[3], point->de);
 }
 
-PetscInt MpmMaterialReturnTangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, MpmBranch branch,
-                                  const PetscReal *const F[], const PetscReal *const dF[], PetscReal *const after[])
+PetscInt MpmPlasticReturnTangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, MpmBranch branch,
+                                 const PetscReal *const F[], const PetscReal *const dF[], PetscReal *const after[])
 {
   PetscInt on_surface = 0;
 
@@ -377,7 +377,7 @@ PetscInt MpmMaterialReturnTangent(const MpmMaterialNumbers *m, PetscInt dim, Pet
     if (flows)
       ReturnAlong(m, dim, p, &point, F, after);
     else
-      for (PetscInt c = 0; c < MpmMaterialComponents(m->law, dim); c++) after[c][p] = dF[c][p];
+      for (PetscInt c = 0; c < MpmLawComponents(m->law, dim); c++) after[c][p] = dF[c][p];
   }
   return on_surface;
 }
@@ -389,7 +389,7 @@ PetscReal MpmPlasticModulus(const MpmMaterialNumbers *m, PetscInt dim, const Pet
   PetscReal        T[3], slope[3][4], largest = -INFINITY;
   Point            point;
 
-  for (PetscInt c = 0; c < MpmMaterialComponents(m->law, dim); c++) from[c] = &F[c];
+  for (PetscInt c = 0; c < MpmLawComponents(m->law, dim); c++) from[c] = &F[c];
   PointOf(m->law, dim, 0, from, NULL, &point);
   m->law->plastic->stress(m, point.e, point.q, T, slope);
   for (PetscInt a = 0; a < dim; a++) largest = PetscMax(largest, slope[a][a] - T[a]);

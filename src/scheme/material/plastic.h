@@ -7,13 +7,16 @@
 
 #define MPM_ON_SURFACE 1e-11 /* a trial value that is so near to the yield surface is on it */
 
-/* Not collective. The functions of MpmLaw of all laws that flow. */
+/* Not collective. The functions of MpmLaw of all laws that flow, MpmMaterialReturn and MpmMaterialReturnTangent. */
 void      MpmPlasticStress(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
                            PetscReal *const tau[]);
 void      MpmPlasticTangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
                             const PetscReal *const dF[], PetscReal *const dtau[]);
 void      MpmPlasticEnergy(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],
                            PetscReal psi[]);
+void      MpmPlasticReturn(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, PetscReal *const F[]);
+PetscInt  MpmPlasticReturnTangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, MpmBranch branch,
+                                  const PetscReal *const F[], const PetscReal *const dF[], PetscReal *const after[]);
 PetscReal MpmPlasticModulus(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal F[]);
 
 /* Not collective. Hencky's solid, linear in the logarithms of the stretches: its stresses, their slopes, and its energy. */
