@@ -161,6 +161,10 @@ PetscErrorCode MpmPaceCreate(const MpmScene *scene, const MpmRequest *request, M
                      .chance  = request->step_bound_chance};
   if (request->end > 0) (*pace)->end = request->end * scene->wave_speed / scene->cell_width;
   (*pace)->why_not = MpmStepBoundWhyNot(&scene->layout, &scene->scheme, &rest);
+  MpmCheckInput(
+      !(*pace)->why_not || !MpmSpaceIsDamped(&scene->scheme.space),
+      "courant auto: %s; allowed: with a number for courant, or formulation musl, usf or usavg and transfer flip",
+      (*pace)->why_not);
   if ((*pace)->why_not) PetscCall(FindAtRest(scene, *pace));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -251,6 +255,7 @@ static PetscErrorCode Certify(MpmPace *pace, MpmMarch *march, PetscReal particle
       particle * pace->fastest >= FALLS * h->particle * h->fastest)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Bound(pace, march, MPM_BOUND_LANCZOS, &b, &h->certified));
+  PetscCall(PetscArraycpy(h->form, b.form, 2));
   h->particle = particle;
   h->fastest  = pace->fastest;
   h->way      = 0;
@@ -269,6 +274,7 @@ static PetscErrorCode Look(MpmPace *pace, MpmMarch *march)
   PetscFunctionBegin;
   if (!(pace->fastest > 0)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Bound(pace, march, asked == MPM_STEP_LONE ? MPM_BOUND_LONE : MPM_BOUND_PARTICLE, &b, &pace->number));
+  if (asked != MPM_STEP_LANCZOS) PetscCall(PetscArraycpy(h->form, b.form, 2));
   pace->at = asked == MPM_STEP_LONE ? b.lone_at : b.particle_at;
   pace->by = asked;
   limit    = pace->number * pace->fastest;
@@ -280,7 +286,8 @@ static PetscErrorCode Look(MpmPace *pace, MpmMarch *march)
     pace->by  = certified > limit ? MPM_STEP_LANCZOS : MPM_STEP_PARTICLE;
     limit     = PetscMax(limit, certified);
   }
-  limit = rint(limit * DIGITS) / DIGITS;
+  h->falls = asked == MPM_STEP_LANCZOS ? PetscMax(1, h->particle * h->fastest / (pace->number * pace->fastest)) : 1;
+  limit    = rint(limit * DIGITS) / DIGITS;
   MpmCheckInput(limit > 0,
                 "courant auto: bound %s allows no step at step %" PetscInt64_FMT ", since particle %" PetscInt64_FMT
                 " meets a node; allowed: step_bound particle or lanczos",
@@ -303,6 +310,29 @@ static PetscBool IsOld(const MpmPace *pace, const MpmMarch *march)
              : PETSC_FALSE;
 }
 
+/*
+   The largest artificial viscosity that a step can begin with: of the nodes' velocities a particle sees differences of at most
+   twice the largest, along each axis.
+*/
+static PetscReal FirstArtificial(const MpmPace *pace, const MpmMarch *march)
+{
+  const PetscReal *number = march->scheme->space.material.artificial;
+
+  return number[0] * pace->fastest + 4 * number[1] * march->layout->dim * pace->motion;
+}
+
+PetscErrorCode MpmPaceTook(MpmPace *pace, const MpmMarch *march)
+{
+  const PetscReal *number = march->scheme->space.material.artificial;
+
+  PetscFunctionBegin;
+  if (number[0] == 0 && number[1] == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  pace->held.artificial = march->watch->viscosity;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &pace->held.artificial, 1, MPIU_REAL, MPI_MAX,
+                             PetscObjectComm((PetscObject)march->grid->da)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *request)
 {
   MpmPaceHeld *h = &pace->held;
@@ -310,12 +340,21 @@ PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *re
   PetscFunctionBegin;
   if (!pace->why_not && h->looks == 0) {
     PetscCall(Speeds(pace, march));
+    h->artificial = FirstArtificial(pace, march);
     PetscCall(Look(pace, march));
     MpmCheckInput(h->looks > 0, "courant auto: no waves travel at the start; allowed: a number");
     h->first = h->limit;
   }
   pace->expected = request->end > 0 ? ceil(pace->end / (march->scene->safety * h->first)) : (PetscReal)request->steps;
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* What damping and viscosity take at most. As the bounds of a certificate, what it depends on grows as bound particle falls. */
+static PetscReal Loss(const MpmPace *pace, const MpmMarch *march)
+{
+  const MpmPaceHeld *h = &pace->held;
+
+  return PetscSqr(h->falls) * MpmStepLoss(&march->scheme->space, h->form, h->artificial);
 }
 
 /*
@@ -327,7 +366,8 @@ static PetscReal Choose(MpmPace *pace, const MpmMarch *march)
   const PetscReal safety = march->scene->safety, most = safety * pace->held.limit, first = safety * pace->held.first;
   const PetscReal push   = sqrt(MpmCollidersStiffness(march->layout->colliders)) / (2 * safety);
   const PetscReal alone  = pace->fastest > 0 ? most / pace->fastest : most;
-  const PetscReal waves  = push > 0 ? 1 / hypot(1 / alone, push) : alone; /* docs/floors.md has the proof */
+  const PetscReal pushed = push > 0 ? 1 / hypot(1 / alone, push) : alone; /* docs/floors.md has the proofs */
+  const PetscReal waves  = MpmStepWithLoss(pushed, Loss(pace, march) / safety);
   const PetscReal motion = FARTHEST / pace->motion, left = pace->end - march->elapsed;
   PetscReal       k = PetscMin(waves, motion);
 

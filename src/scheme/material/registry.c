@@ -3,8 +3,9 @@
 #include "scheme/material/plastic.h"
 #include <math.h>
 
-const MpmLaw *const MpmLaws[] = {&MpmLawLinear, &MpmLawNeo,  &MpmLawSvk,  &MpmLawTait, &MpmLawGas, &MpmLawPolytropic,
-                                 &MpmLawMises,  &MpmLawSnow, &MpmLawSand, &MpmLawClay, NULL};
+const MpmLaw *const MpmLaws[] = {&MpmLawLinear,          &MpmLawNeo,   &MpmLawSvk,  &MpmLawTait, &MpmLawGas,
+                                 &MpmLawPolytropic,      &MpmLawMises, &MpmLawSnow, &MpmLawSand, &MpmLawClay,
+                                 &MpmLawHerschelBulkley, NULL};
 
 void MpmMaterialStress(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
                        PetscReal *const tau[])
