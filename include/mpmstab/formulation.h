@@ -42,6 +42,7 @@
 
    On particles, at finite deformation (table_finite.c); dst and src are the first registers of theirs:
    MPM_STRESS     - tau = tau(F), the Kirchhoff stress of the material in units of rho0 c0^2, times E_p
+   MPM_VISCOUS    - tau += the viscous stress of the velocity's slopes L, which are src (MpmMaterialViscous); a is rho c^2 / (rho0 c0^2)
    MPM_STRESS_AHEAD - T = P(A F) F^T with A = I + a L, P the nominal stress: the stress at a part a of a step with the slopes L,
                     brought back to its start (scheme/deform.h); L is src, and T has dim rows of dim numbers
    MPM_LOAD       - b = the body force per mass at the particle's place at rest, in units of c^2 / h, at a part a of the step
@@ -92,6 +93,7 @@ typedef enum {
   MPM_GRAD_MLS,
   MPM_G2P_SLOPE,
   MPM_STRESS,
+  MPM_VISCOUS,
   MPM_STRESS_AHEAD,
   MPM_LOAD,
   MPM_STRETCH,

@@ -19,7 +19,8 @@ typedef struct MpmLaw_       MpmLaw;
 typedef struct MpmMaterials_ MpmMaterials;
 
 /*E
-   MpmPlasticNumber - the numbers of materials that flow; MpmPlasticNames has the options of the same names.
+   MpmPlasticNumber - the numbers of laws besides Lame's moduli and the exponent, most of materials that flow;
+   MpmPlasticNames has the options of the same names.
 E*/
 typedef enum {
   MPM_YIELD,
@@ -29,6 +30,8 @@ typedef enum {
   MPM_COMPRESSION_LIMIT,
   MPM_STRETCH_LIMIT,
   MPM_FRICTION_ANGLE,
+  MPM_CONSISTENCY,
+  MPM_FLOW_INDEX,
   MPM_PLASTIC_NUMBERS
 } MpmPlasticNumber;
 extern const char *const MpmPlasticNames[];
@@ -39,12 +42,15 @@ extern const char *const MpmPlasticNames[];
    law        - its law
    mu, lambda - Lame's moduli at rest, of solids; lambda + 2 mu is 1 in the units of this header
    exponent   - n of fluids whose pressure is a power of density
-   plastic    - the numbers of a material that flows
+   plastic    - the numbers that the law reads
+   viscosity  - of a law with a viscous stress its largest viscosity, in units of rho c h; c is the speed of small waves where a
+                run starts from, and rho c^2 their modulus
+   artificial - the numbers C1 and C2 of the artificial viscosity, or 0
    several    - the materials of particles that are of several; law is then MpmLawSeveral. NULL: they are of this one
 S*/
 typedef struct {
   const MpmLaw       *law;
-  PetscReal           mu, lambda, exponent, plastic[MPM_PLASTIC_NUMBERS];
+  PetscReal           mu, lambda, exponent, plastic[MPM_PLASTIC_NUMBERS], viscosity, artificial[2];
   const MpmMaterials *several;
 } MpmMaterialNumbers;
 
@@ -70,7 +76,6 @@ struct MpmMaterials_ {
    internal, start - the name of q, and where it begins
    outside  - with dim 1 and 2 the material flows out of the line or plane, too. The elastic strain there is then an
               internal variable, e_out; without it, it is 0.
-   number   - the numbers that the law reads (usual, or what an option says), and their range; others have reads false
    yield    - above 0 the material flows; 0 is the yield surface
    back     - from the trial values of e and q to those after the flow. slope (NULL: none): their derivatives by e and q
    stress   - the principal Kirchhoff stresses T, and slope (NULL: none): their derivatives by e and q
@@ -80,10 +85,6 @@ typedef struct {
   const char *internal;
   PetscReal   start;
   PetscBool   outside;
-  struct {
-    PetscBool reads;
-    PetscReal usual, least, most;
-  } number[MPM_PLASTIC_NUMBERS];
   PetscReal (*yield)(const MpmMaterialNumbers *, const PetscReal e[3], PetscReal q);
   void (*back)(const MpmMaterialNumbers *, PetscReal e[3], PetscReal *q, PetscReal slope[4][4]);
   void (*stress)(const MpmMaterialNumbers *, const PetscReal e[3], PetscReal q, PetscReal T[3], PetscReal slope[3][4]);
@@ -101,6 +102,9 @@ typedef struct {
    stretched - of a solid with the stretches F[a] along the axes, J times the stiffness that small strains about this state
                feel. It is isotropic, with lambda and mu, but for a factor q[a] for each index a. NULL where it has no such
                form: schemes that are linear about a stretched state then have no such material.
+   number    - the numbers that the law reads (usual, or what an option says), and their range; others have reads false
+   viscous   - adds the viscous stress of the velocity's gradient L, and its differential along dL sets dtau; see
+               MpmMaterialViscous for the units. NULL: the law has none
    plastic   - how the material flows; NULL: it does not
 S*/
 struct MpmLaw_ {
@@ -115,6 +119,14 @@ struct MpmLaw_ {
   PetscReal (*modulus)(const MpmMaterialNumbers *, PetscInt dim, PetscReal largest, PetscReal trace, PetscReal J);
   void (*stretched)(const MpmMaterialNumbers *, PetscInt dim, const PetscReal F[], PetscReal *lambda, PetscReal *mu,
                     PetscReal q[]);
+  void (*viscous)(const MpmMaterialNumbers *, PetscReal unit, PetscInt dim, PetscInt n, const PetscReal *const L[],
+                  PetscReal *const tau[]);
+  void (*viscous_tangent)(const MpmMaterialNumbers *, PetscReal unit, PetscInt dim, PetscInt n,
+                          const PetscReal *const L[], const PetscReal *const dL[], PetscReal *const dtau[]);
+  struct {
+    PetscBool reads;
+    PetscReal usual, least, most;
+  } number[MPM_PLASTIC_NUMBERS];
   const MpmPlastic *plastic;
 };
 
@@ -129,6 +141,7 @@ struct MpmLaw_ {
      MpmLawTait       - a liquid: tau = -J p I with the pressure p = (J^-n - 1) / n
      MpmLawGas        - a gas at constant temperature: p = 1 / J
      MpmLawPolytropic - a gas whose pressure grows with a power of density: p = J^-n / n
+     MpmLawHerschelBulkley - a liquid with the pressure of tait and a viscous stress: it flows where its shear is beyond a yield stress
 
    Those that flow (plastic.c):
 
@@ -138,16 +151,23 @@ struct MpmLaw_ {
      MpmLawClay  - clay: Hencky's solid, modified Cam clay, whose yield surface grows as it loses volume
 */
 extern const MpmLaw MpmLawLinear, MpmLawNeo, MpmLawSvk, MpmLawTait, MpmLawGas, MpmLawPolytropic, MpmLawMises,
-    MpmLawSnow, MpmLawSand, MpmLawClay;
+    MpmLawHerschelBulkley, MpmLawSnow, MpmLawSand, MpmLawClay;
 extern const MpmLaw        MpmLawSeveral; /* of several materials; it is not in the list */
 extern const MpmLaw *const MpmLaws[];
+
+/* Not collective. Whether a material has a stress of the velocity's gradient. */
+static inline PetscBool MpmMaterialIsViscous(const MpmMaterialNumbers *m)
+{
+  return m->viscosity > 0 || m->artificial[0] > 0 || m->artificial[1] > 0 ? PETSC_TRUE : PETSC_FALSE;
+}
 
 /* Not collective. Lame's moduli of a solid from their ratio lambda / mu, in the units of this header. */
 static inline MpmMaterialNumbers MpmMaterialOfRatio(const MpmLaw *law, PetscReal lambda_over_mu, PetscReal exponent)
 {
-  MpmMaterialNumbers m = {law, 1 / (2 + lambda_over_mu), lambda_over_mu / (2 + lambda_over_mu), exponent, {0}, NULL};
+  MpmMaterialNumbers m = {law, 1 / (2 + lambda_over_mu), lambda_over_mu / (2 + lambda_over_mu), exponent, {0}, 0, {0},
+                          NULL};
 
-  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS && law->plastic; i++) m.plastic[i] = law->plastic->number[i].usual;
+  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS; i++) m.plastic[i] = law->number[i].usual;
   return m;
 }
 
@@ -228,6 +248,21 @@ void MpmMaterialTangent(const MpmMaterialNumbers *material, PetscInt dim, PetscI
 */
 void MpmMaterialEnergy(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
                        PetscReal psi[]);
+
+/*
+   MpmMaterialViscous - adds to tau what depends on the velocity's gradient L: the viscous stress of the law, and the artificial
+   viscosity of von Neumann and Richtmyer (1950), in compression alone:
+
+     tau += rho (C1 c_p tr D - C2 (tr D)^2) I   where tr D < 0, D = sym L,   c_p the speed of MpmMaterialModulus
+
+   Not collective. L has dim * dim arrays, in units of c / h, with h the width of a cell. unit: rho c^2 / (rho0 c0^2). F: as in
+   MpmMaterialStress. of: mass, volume and stiffness of the particles, each NULL where all are alike. Returns the largest
+   C1 c_p rho + 2 C2 rho abs(tr D) of particles that are compressed, in units of rho c h: the viscosity that a small change of
+   the volume's rate feels.
+*/
+PetscReal MpmMaterialViscous(const MpmMaterialNumbers *material, PetscReal unit, PetscInt dim, PetscInt n,
+                             const PetscReal *const L[], const PetscReal *const F[], const PetscReal *const of[3],
+                             PetscReal *const tau[]);
 
 /*
    MpmMaterialModulus - rho0 c^2, where c is the speed of the fastest P waves along a principal direction of stretch: that in

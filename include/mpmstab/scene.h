@@ -50,12 +50,13 @@ extern const char *const MpmStepBoundNames[];
    law, stretch         - the material, and the stretch F0 in each direction that the scheme is linear about. They give
                           the prestress (MpmSpace) and the wave speed in the stretched state.
    lame_ratio, exponent - lambda / mu of neo, and the exponent of tait and polytropic
-   plastic              - the numbers of a material that flows
+   plastic              - the numbers of the material, in the units that the user gave
    gravity, body_force - at finite deformation, forces per mass: uniform, in length / time^2; and one that depends on place
                           and time, or NULL
    colliders, bodies      - the rigid bodies of the layout, and those of its particles, as text; "" without any
    grid_damping, viscosity, shear_viscosity, bulk_viscosity - alpha per time, and the viscosities, in the units that the user gave: those of
                           the scene where it is physical, else c / h and rho c h
+   artificial           - C1 and C2 of the artificial viscosity
    scheme_hash, parameters - what tells the written scheme from others, and the values of its parameters; "" without one
 S*/
 struct MpmScene_ {
@@ -74,7 +75,7 @@ struct MpmScene_ {
   char            scheme_hash[17], parameters[512], colliders[512], bodies[512];
   const MpmLaw   *law;
   PetscReal       stretch[MPM_MAX_DIM], lame_ratio, exponent, plastic[MPM_PLASTIC_NUMBERS];
-  PetscReal       gravity[MPM_MAX_DIM], grid_damping, viscosity, shear_viscosity, bulk_viscosity;
+  PetscReal       gravity[MPM_MAX_DIM], grid_damping, viscosity, shear_viscosity, bulk_viscosity, artificial[2];
   MpmBodyForce    body_force;
 };
 

@@ -25,6 +25,9 @@ typedef enum { MPM_BOUND_LONE = 1, MPM_BOUND_PARTICLE = 2, MPM_BOUND_LANCZOS = 4
    nodes    - the nodal unknowns
    products - how many were taken
    moduli   - NULL: those at rest; else E_p of each of this rank's particles, the square of its wave speed over c
+   form     - bounds of the largest eigenvalues of M^-1 sum_p V_p (tr D)^2 and M^-1 sum_p V_p D : D, where damping or viscosity depends
+              on them: by products where lanczos was asked for, else as particle. The bounds are those without damping and
+              viscosity: see MpmStepLoss
    kinds, sweeps, chance, seed - what was asked for; kinds: a sum of MpmBoundKind; seed: of the random vector
 
    Source: docs/theory.md, section 4.
@@ -42,7 +45,19 @@ typedef struct {
   PetscInt    products, sweeps, kinds;
 
   const PetscReal *moduli;
+  PetscReal        form[2];
 } MpmStepBounds;
+
+/*
+   MpmStepLoss     - the part of any velocity that damping and viscosity take at most in the time h / c. artificial: the largest artificial
+                     viscosity at any particle (MpmMaterialViscous). A material's own viscosity, and its slope where it thickens, are at
+                     most its largest one times 1, or times the power of the rate
+   MpmStepWithLoss - the k with (k / limit)^2 + k loss / 2 = 1: a limit, with what the loss makes of it
+
+   Not collective. Source: docs/floors.md.
+*/
+PetscReal MpmStepLoss(const MpmSpace *space, const PetscReal form[2], PetscReal artificial);
+PetscReal MpmStepWithLoss(PetscReal limit, PetscReal loss);
 
 /*
    MpmStepBoundsFind - the bounds for a march's particles at their present places.

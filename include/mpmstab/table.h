@@ -172,8 +172,10 @@ typedef struct {
 /* Not collective. Whether a table has terms of damping or viscosity (src/scheme/table_damping.c). */
 static inline PetscBool MpmSpaceIsDamped(const MpmSpace *space)
 {
-  return space->damping != 0 || space->local != 0 || space->viscous[0] != 0 || space->viscous[1] != 0 ? PETSC_TRUE
-                                                                                                      : PETSC_FALSE;
+  return space->damping != 0 || space->local != 0 || space->viscous[0] != 0 || space->viscous[1] != 0 ||
+                 MpmMaterialIsViscous(&space->material)
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 /* Not collective. What a motion whose strains have the stiffness kappa loses per time, in units of c / h: alpha + eta kappa. */

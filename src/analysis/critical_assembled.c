@@ -438,6 +438,13 @@ static PetscErrorCode CheckRounding(Probe *p, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* With damping or viscosity only courant auto takes bounds: it needs their parts apart. */
+static const char *WhyNoBound(const MpmCriticalCase *of)
+{
+  if (MpmSpaceIsDamped(&of->scheme->space)) return "of a layout none is found here with damping or viscosity";
+  return MpmStepBoundWhyNot(of->layout, of->scheme, &of->step);
+}
+
 /* The bounds of the layout, with a march that refuses a grid that no run could have. It is on one rank for few unknowns. */
 static PetscErrorCode FindBounds(const MpmCriticalCase *of, MpmCritical *c)
 {
@@ -450,7 +457,7 @@ static PetscErrorCode FindBounds(const MpmCriticalCase *of, MpmCritical *c)
   c->bounds =
       (MpmStepBounds){.kinds = MPM_BOUNDS, .sweeps = of->sweeps, .chance = of->chance, .seed = of->layout->seed};
   c->bounded = of->chance > 0 ? PETSC_TRUE : PETSC_FALSE;
-  if (c->bounded) c->bounds.why_not = MpmStepBoundWhyNot(of->layout, of->scheme, &of->step);
+  if (c->bounded) c->bounds.why_not = WhyNoBound(of);
   if (of->each) {
     PetscCall(PetscCalloc1((2 + of->layout->dim) * n, &c->each));
     c->bounds.lone_at.value     = c->each;
@@ -519,7 +526,7 @@ PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCritical
   MpmLayoutSizeText(of->layout, sizeof size, size);
   c->assembled = PETSC_TRUE;
   c->too_large = unknowns > MPM_DENSE_MANY ? PETSC_TRUE : PETSC_FALSE;
-  MpmCheckInput(!c->too_large || (of->chance > 0 && !MpmStepBoundWhyNot(of->layout, of->scheme, &of->step)),
+  MpmCheckInput(!c->too_large || (of->chance > 0 && !WhyNoBound(of)),
                 "%s (%s): the limit is sought among all eigenvalues of %" PetscInt64_FMT
                 " unknowns; allowed: at most %d, so fewer cells",
                 size, MpmSymbolWhyNot(of->layout), unknowns, MPM_DENSE_MANY);

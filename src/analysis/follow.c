@@ -35,7 +35,7 @@
 #define PRECISION 1e-10    /* relative width of a bracket */
 #define RISE 0.1           /* of the tolerance: the least rise between two places that is looked at */
 #define CLOSE 1e-4         /* distance from the tolerance that such a rise must reach */
-#define MOST_LOOKS 300         /* places at one meeting */
+#define MOST_LOOKS 300     /* places at one meeting */
 #define SAFE 2             /* factor on the error of a model */
 #define CIRCLE 8           /* factor on that: distance from the circle of the model of two eigenvalues on it */
 #define STRAIGHT 3         /* divisions that go at once to a piece fine enough */

@@ -173,6 +173,10 @@ PetscErrorCode MpmPaceCreate(const MpmScene *scene, const MpmRequest *request, M
                      .chance  = request->step_bound_chance};
   if (request->end > 0) (*pace)->end = request->end * scene->wave_speed / scene->cell_width;
   (*pace)->why_not = MpmStepBoundWhyNot(&scene->layout, &scene->scheme, &rest);
+  MpmCheckInput(!(*pace)->why_not || !MpmSpaceIsDamped(&scene->scheme.space),
+                "%s: %s; allowed: %s, or formulation musl, usf or usavg and transfer flip",
+                scene->watched ? "step_bound" : "courant auto", (*pace)->why_not,
+                scene->watched ? "to leave it out" : "with a number for courant");
   if ((*pace)->why_not) PetscCall(FindAtRest(scene, *pace));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -263,6 +267,7 @@ static PetscErrorCode Certify(MpmPace *pace, MpmMarch *march, PetscReal particle
       particle * pace->fastest >= FALLS * h->particle * h->fastest)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Bound(pace, march, MPM_BOUND_LANCZOS, &b, &h->certified));
+  PetscCall(PetscArraycpy(h->form, b.form, 2));
   h->particle = particle;
   h->fastest  = pace->fastest;
   h->way      = 0;
@@ -281,6 +286,7 @@ static PetscErrorCode Look(MpmPace *pace, MpmMarch *march)
   PetscFunctionBegin;
   if (!(pace->fastest > 0)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(Bound(pace, march, asked == MPM_STEP_LONE ? MPM_BOUND_LONE : MPM_BOUND_PARTICLE, &b, &pace->number));
+  if (asked != MPM_STEP_LANCZOS) PetscCall(PetscArraycpy(h->form, b.form, 2));
   pace->at = asked == MPM_STEP_LONE ? b.lone_at : b.particle_at;
   pace->by = asked;
   limit    = pace->number * pace->fastest;
@@ -292,7 +298,8 @@ static PetscErrorCode Look(MpmPace *pace, MpmMarch *march)
     pace->by  = certified > limit ? MPM_STEP_LANCZOS : MPM_STEP_PARTICLE;
     limit     = PetscMax(limit, certified);
   }
-  limit = rint(limit * DIGITS) / DIGITS;
+  h->falls = asked == MPM_STEP_LANCZOS ? PetscMax(1, h->particle * h->fastest / (pace->number * pace->fastest)) : 1;
+  limit    = rint(limit * DIGITS) / DIGITS;
   MpmCheckInput(limit > 0 || march->scene->safety == 0,
                 "courant auto: bound %s allows no step at step %" PetscInt64_FMT ", since particle %" PetscInt64_FMT
                 " meets a node; allowed: step_bound particle or lanczos",
@@ -315,6 +322,29 @@ static PetscBool IsOld(const MpmPace *pace, const MpmMarch *march)
              : PETSC_FALSE;
 }
 
+/*
+   The largest artificial viscosity that a step can begin with: of the nodes' velocities a particle sees differences of at most
+   twice the largest, along each axis.
+*/
+static PetscReal FirstArtificial(const MpmPace *pace, const MpmMarch *march)
+{
+  const PetscReal *number = march->scheme->space.material.artificial;
+
+  return number[0] * pace->fastest + 4 * number[1] * march->layout->dim * pace->motion;
+}
+
+PetscErrorCode MpmPaceTook(MpmPace *pace, const MpmMarch *march)
+{
+  const PetscReal *number = march->scheme->space.material.artificial;
+
+  PetscFunctionBegin;
+  if (number[0] == 0 && number[1] == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  pace->held.artificial = march->watch->viscosity;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &pace->held.artificial, 1, MPIU_REAL, MPI_MAX,
+                             PetscObjectComm((PetscObject)march->grid->da)));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *request)
 {
   MpmPaceHeld *h = &pace->held;
@@ -322,6 +352,7 @@ PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *re
   PetscFunctionBegin;
   if (!pace->why_not && h->looks == 0) {
     PetscCall(Speeds(pace, march));
+    h->artificial = FirstArtificial(pace, march);
     PetscCall(Look(pace, march));
     MpmCheckInput(h->looks > 0, "courant auto: no waves travel at the start; allowed: a number");
     h->first = h->limit;
@@ -330,13 +361,22 @@ PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *re
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The bound of the step, or K without one, of the waves of now and of colliders that push. */
+/* What damping and viscosity take at most. As the bounds of a certificate, what it depends on grows as bound particle falls. */
+static PetscReal Loss(const MpmPace *pace, const MpmMarch *march)
+{
+  const MpmPaceHeld *h = &pace->held;
+
+  return PetscSqr(h->falls) * MpmStepLoss(&march->scheme->space, h->form, h->artificial);
+}
+
+/* The bound of the step, or K without one, of the waves of now, colliders that push, damping and viscosity. */
 static PetscReal BoundOfNow(const MpmPace *pace, const MpmMarch *march)
 {
   const PetscReal push  = sqrt(MpmCollidersStiffness(march->layout->colliders)) / 2;
   const PetscReal alone = pace->fastest > 0 ? pace->held.limit / pace->fastest : pace->held.limit;
 
-  return push > 0 ? 1 / hypot(1 / alone, push) : alone; /* docs/floors.md has the proof */
+  /* docs/floors.md has the proofs. */
+  return MpmStepWithLoss(push > 0 ? 1 / hypot(1 / alone, push) : alone, Loss(pace, march));
 }
 
 /* Counts the next step among those under the bound, or above it. */
@@ -369,6 +409,7 @@ PetscErrorCode MpmPaceWatch(MpmPace *pace, MpmMarch *march)
 
   PetscFunctionBegin;
   PetscCall(Speeds(pace, march));
+  if (h->looks == 0) h->artificial = FirstArtificial(pace, march);
   if (!pace->why_not && IsOld(pace, march)) PetscCall(Look(pace, march));
   if (h->looks == 0 && !pace->why_not) PetscFunctionReturn(PETSC_SUCCESS); /* no waves travel yet */
   Compare(pace, march);

@@ -36,6 +36,9 @@ extern const char *const MpmPaceReasonNames[];
 
    limit, first    - K, and that of the first step
    certified, particle, fastest - k_0, P_0 and c_0; 0: there is no certificate
+   artificial      - the largest artificial viscosity in the step before
+   form            - what the loss by damping and viscosity depends on (MpmStepBounds): of the certificate, or of the last look; falls: by
+                     how much bound particle has fallen since that certificate, or 1
    way, seen       - cells that the fastest particle has moved, at most, since the certificate and since the last look at P
    waves           - the fastest waves at that look
    certificates, looks - how many there were
@@ -46,7 +49,7 @@ extern const char *const MpmPaceReasonNames[];
 S*/
 typedef struct {
   PetscReal limit, first, certified, particle, fastest, way, seen, waves, certificates, looks, id, place[MPM_MAX_DIM],
-      number, step, steps, under[MPM_PACE_FACTORS], above, share;
+      number, step, steps, under[MPM_PACE_FACTORS], above, share, artificial, form[2], falls;
 } MpmPaceHeld;
 #define MPM_PACE_HELD ((PetscInt)(sizeof(MpmPaceHeld) / sizeof(PetscReal)))
 
@@ -114,6 +117,9 @@ const char *MpmPaceLimitName(const MpmPace *pace);
 
 /* Not collective. Whether a march is at the end of the run. */
 PetscBool MpmPaceIsOver(const MpmPace *pace, const MpmMarch *march);
+
+/* Collective. Notes after a step what the next one depends on besides the state. */
+PetscErrorCode MpmPaceTook(MpmPace *pace, const MpmMarch *march);
 
 /*
    MpmPaceStep - chooses the next step of a march and sets its Courant number. last: it becomes the number of the next step

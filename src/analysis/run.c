@@ -223,6 +223,8 @@ static PetscErrorCode March(Loop *loop)
     PetscCall(Perturb(loop));
     PetscCall(MpmMarchStep(loop->march, sample));
     if (loop->march->failure[0]) break;
+    if (loop->run->pace) PetscCall(MpmPaceTook(loop->run->pace, loop->march));
+    if (loop->run->watch) PetscCall(MpmPaceTook(loop->run->watch, loop->march));
     if (sample) PetscCall(Sample(loop, &follow));
     PetscCall(TellStep(loop, &stop));
     PetscCall(MpmProgressUpdate(&progress, step, PetscMax(step, expected)));

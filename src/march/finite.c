@@ -15,6 +15,8 @@ MpmFiniteWidth MpmFiniteWidthOf(MpmOpKind kind, PetscInt dim, PetscInt stretches
   switch (kind) {
   case MPM_STRESS:
     return (MpmFiniteWidth){dim * (dim + 1) / 2, stretches, 0};
+  case MPM_VISCOUS:
+    return (MpmFiniteWidth){dim * (dim + 1) / 2, dim * dim, stretches};
   case MPM_RETURN:
     return (MpmFiniteWidth){stretches, 0, 0};
   case MPM_STRETCH:
@@ -98,6 +100,17 @@ static void Stress(const MpmMarch *march, const MpmFiniteBlock *block)
     for (PetscInt p = 0; p < block->n; p++) block->to[c][p] *= block->stiffness[p];
 }
 
+/* The watch keeps the largest artificial viscosity, which bounds the next step. */
+static void Viscous(const MpmMarch *march, const MpmFiniteBlock *block)
+{
+  const PetscReal found =
+      MpmMaterialViscous(&march->scheme->table->material, block->a, march->grid->dim, block->n,
+                         (const PetscReal *const *)block->from, (const PetscReal *const *)block->stretch,
+                         (const PetscReal *[3]){block->mass, block->volume, block->stiffness}, block->to);
+
+  march->watch->viscosity = PetscMax(march->watch->viscosity, found);
+}
+
 void MpmFinitePlace(const MpmMarchArrays *a, MpmFiniteBlock *block)
 {
   block->id = a->id + block->begin;
@@ -105,6 +118,8 @@ void MpmFinitePlace(const MpmMarchArrays *a, MpmFiniteBlock *block)
     block->cell[d] = a->cell[d] + block->begin;
     block->xi[d]   = a->xi[d] + block->begin;
   }
+  if (a->weight[MPM_MASS]) block->mass = a->weight[MPM_MASS] + block->begin;
+  if (a->weight[MPM_VOLUME]) block->volume = a->weight[MPM_VOLUME] + block->begin;
   if (a->weight[MPM_STIFFNESS]) block->stiffness = a->weight[MPM_STIFFNESS] + block->begin;
 }
 
@@ -115,6 +130,8 @@ void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *b
 
   if (kind == MPM_STRESS)
     Stress(march, block);
+  else if (kind == MPM_VISCOUS)
+    Viscous(march, block);
   else if (kind == MPM_STRESS_AHEAD)
     march->solving->stress(march->solving->system, block);
   else if (kind == MPM_LOAD)
@@ -132,7 +149,8 @@ void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *b
 
 void MpmFiniteForget(MpmMarch *march)
 {
-  march->watch->kind = MPM_NO_FAILURE;
+  march->watch->kind      = MPM_NO_FAILURE;
+  march->watch->viscosity = 0;
   for (PetscInt a = 0; a < march->grid->dim; a++) {
     march->watch->range[a][0] = march->grid->axis[a].count;
     march->watch->range[a][1] = -1;

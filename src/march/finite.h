@@ -17,18 +17,19 @@ typedef enum { MPM_NO_FAILURE, MPM_INVERTED, MPM_TOO_FAST } MpmFailureKind;
    kind      - what is wrong with a particle, the first of those that failed
    particle  - its number on this rank
    way       - how far it would go, in cells
+   viscosity - the largest artificial viscosity in the step (MpmMaterialViscous)
 S*/
 struct MpmWatch_ {
   PetscInt       range[MPM_MAX_DIM][2];
   MpmFailureKind kind;
   PetscInt       particle;
-  PetscReal      way[MPM_MAX_DIM];
+  PetscReal      way[MPM_MAX_DIM], viscosity;
 };
 
 /*S
    MpmFiniteBlock - the n particles from begin on, which go through an operation together. a: its number. to, from and stretch: the arrays of the fields that it
-   writes and reads, which begin with these particles, and so do id, cell and xi. step: that of the places. stiffness: of
-   the particles, or NULL where all are alike.
+   writes and reads, which begin with these particles, and so do id, cell and xi. step: that of the places. mass, volume,
+   stiffness: of the particles, or NULL where all are alike.
 S*/
 typedef struct {
   PetscInt          begin, n;
@@ -38,7 +39,7 @@ typedef struct {
   PetscReal        *xi[MPM_MAX_DIM];
   PetscInt         *cell[MPM_MAX_DIM];
   const PetscInt64 *id;
-  const PetscReal  *stiffness;
+  const PetscReal  *mass, *volume, *stiffness;
 } MpmFiniteBlock;
 
 /*S

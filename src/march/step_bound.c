@@ -14,6 +14,9 @@
    abs(g) < delta has a probability of at most delta sqrt(2 n / pi). So lambda <= the largest t with
    p_k(t) = sqrt(2 n / pi) / chance, but for that chance.
 
+   Damping and viscosity take h = k e from a velocity, e at most the loss. Nothing grows in a step with flip where
+   k^2 lambda + 2 h <= 4 (docs/floors.md).
+
    Source: docs/theory.md, section 4; van Dorsselaer, Hochstenbach and van der Vorst 1999 for the second.
 */
 #include <mpmstab/step_bound.h>
@@ -49,11 +52,13 @@ const char *MpmStepBoundWhyNot(const MpmLayout *layout, const MpmScheme *scheme,
   if (scheme->formulation->step_bound(&scheme->numbers, scheme->transfer) == 0)
     return "no bound is known for this formulation with this transfer";
   if (isinf(scheme->formulation->step_bound(&scheme->numbers, scheme->transfer))) return "no step grows";
-  if (space->collides && (!scheme->formulation->leftmost || t->filter || t->affine || t->sharpen ||
-                          scheme->formulation->step_bound(&scheme->numbers, t) != 2))
-    return "with colliders no bound is proved for this scheme"; /* docs/floors.md has the theorem */
+  if (space->local != 0) return "no bound is known with local damping";
+  if ((space->collides || MpmSpaceIsDamped(space)) &&
+      (!scheme->formulation->leftmost || t->filter || t->affine || t->sharpen ||
+       scheme->formulation->step_bound(&scheme->numbers, t) != 2)) /* docs/floors.md has the theorem */
+    return space->collides ? "with colliders no bound is proved for this scheme"
+                           : "with damping or viscosity no bound is proved for this scheme";
   if (MpmSpaceIsPrestressed(space) || space->displaced) return "no bound is known about a prestressed state";
-  if (MpmSpaceIsDamped(space)) return "no bound is known with damping or viscosity";
   if (MpmStepDrifts(step)) return "the bounds are of particles at rest";
   for (PetscInt a = 0; a < layout->dim; a++)
     for (int end = 0; end < 2; end++)
@@ -688,25 +693,29 @@ static PetscErrorCode FindLames(Pass *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Begin(MpmMarch *march, const MpmStepBounds *b, Pass *s)
+/* What K is made of: the moduli of now; or of all particles the squares of tr D, or those of D. */
+typedef enum { OF_MODULI, OF_VOLUME, OF_RATE } Form;
+
+static PetscErrorCode Begin(MpmMarch *march, const MpmStepBounds *b, Form form, Pass *s)
 {
-  const MpmSpace *space = &march->scheme->space;
-  const PetscInt  count = march->particles->count;
+  const MpmSpace *space  = &march->scheme->space;
+  const PetscInt  count  = march->particles->count;
+  const PetscReal lambda = form == OF_MODULI ? LambdaOf(space, &space->material) : form == OF_VOLUME ? 1 : 0;
 
   PetscFunctionBegin;
   *s = (Pass){.march      = march,
               .dim        = space->dim,
               .components = MpmLayoutIsPeriodic(march->layout) ? 1 : space->dim,
               .own        = space->dim * MpmGridNodes(march->grid),
-              .lambda     = LambdaOf(space, &space->material)};
+              .lambda     = lambda};
   PetscCall(MpmStencilsCreate(march, march->particles->step, &s->at));
-  PetscCall(FindLames(s));
+  if (form == OF_MODULI) PetscCall(FindLames(s));
   PetscCall(PetscMalloc3(count, &s->weight, count, &s->value, count, &s->stiffness));
   s->mass    = s->at.at.weight[MPM_MASS];
   s->volume  = s->at.at.weight[MPM_VOLUME];
   s->inverse = s->at.at.sum[MPM_MASSES];
   for (PetscInt p = 0; p < count; p++) {
-    s->stiffness[p] = (b->moduli ? b->moduli[p] : 1) * Of(s->at.at.weight[MPM_STIFFNESS], p);
+    s->stiffness[p] = form == OF_MODULI ? (b->moduli ? b->moduli[p] : 1) * Of(s->at.at.weight[MPM_STIFFNESS], p) : 1;
     s->weight[p]    = sqrt(Of(s->volume, p));
   }
   for (PetscInt a = 0; a < s->dim; a++) {
@@ -729,6 +738,45 @@ static PetscErrorCode End(Pass *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Bounds of the largest eigenvalues of M^-1 sum_p V_p (tr D)^2 and of M^-1 sum_p V_p D : D, where the loss depends on them. */
+static PetscErrorCode FindForms(MpmMarch *march, MpmStepBounds *b)
+{
+  const PetscReal none[2] = {0, 0};
+
+  PetscFunctionBegin;
+  for (Form form = OF_VOLUME; form <= OF_RATE; form++) {
+    const PetscReal *only = form == OF_VOLUME ? (const PetscReal[2]){1, 0} : (const PetscReal[2]){0, 1};
+    MpmStepBounds    of   = {.factor = 1, .chance = b->chance, .seed = b->seed};
+    Pass             s;
+
+    b->form[form - OF_VOLUME] = 0;
+    if (MpmStepLoss(&march->scheme->space, only, 1) == MpmStepLoss(&march->scheme->space, none, 1)) continue;
+    PetscCall(Begin(march, b, form, &s));
+    if (b->kinds & MPM_BOUND_LANCZOS)
+      PetscCall(FindByLanczos(&s, &of));
+    else
+      PetscCall(FindByParticle(&s, &of));
+    PetscCall(End(&s));
+    b->form[form - OF_VOLUME] = 1 / PetscSqr(b->kinds & MPM_BOUND_LANCZOS ? of.lanczos : of.particle);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscReal MpmStepLoss(const MpmSpace *space, const PetscReal form[2], PetscReal artificial)
+{
+  const MpmMaterialNumbers *m    = &space->material;
+  const PetscReal           own  = m->viscosity * PetscMax(1, m->plastic[MPM_FLOW_INDEX]);
+  const PetscBool           acts = m->artificial[0] > 0 || m->artificial[1] > 0 ? PETSC_TRUE : PETSC_FALSE;
+
+  return space->damping + (PetscMax(space->viscous[0], 0) + (acts ? artificial : 0)) * form[0] +
+         2 * (space->viscous[1] + own) * form[1];
+}
+
+PetscReal MpmStepWithLoss(PetscReal limit, PetscReal loss)
+{
+  return loss > 0 ? 2 / (loss / 2 + hypot(loss / 2, 2 / limit)) : limit;
+}
+
 PetscErrorCode MpmStepBoundsFind(MpmMarch *march, MpmStepBounds *b)
 {
   const MpmFormulation *formulation = march->scheme->formulation;
@@ -739,7 +787,8 @@ PetscErrorCode MpmStepBoundsFind(MpmMarch *march, MpmStepBounds *b)
   b->why_not = MpmStepBoundWhyNot(march->layout, march->scheme, &rest);
   if (b->why_not) PetscFunctionReturn(PETSC_SUCCESS);
   b->factor = formulation->step_bound(&march->scheme->numbers, march->scheme->transfer);
-  PetscCall(Begin(march, b, &s));
+  if (MpmSpaceIsDamped(&march->scheme->space)) PetscCall(FindForms(march, b));
+  PetscCall(Begin(march, b, OF_MODULI, &s));
   if (b->kinds & MPM_BOUND_LONE) PetscCall(FindLone(&s, b));
   PetscCall(PetscLogEventBegin(march->watch_event, 0, 0, 0, 0));
   if (b->kinds & MPM_BOUND_PARTICLE) PetscCall(FindByParticle(&s, b));

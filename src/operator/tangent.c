@@ -6,6 +6,7 @@
      mass   M = sum w m                    dM = sum_c sum w_c m dx_c
      G2P    q += a sum w u                 dq += a sum w du + a sum_c (sum w_c u) dx_c
      STRESS t = tau(F)                     dt = sum dtau/dF_ab dF_ab
+     VISCOUS t += q(L)                     dt += sum dq/dL_ab dL_ab
      STRESS_AHEAD T = T(L, F)              dT = sum dT/dL_ab dL_ab + sum dT/dF_ab dF_ab
      IMPLICIT a = k f(k (v + theta a))     (1 - k^2 theta f') da = k df at the same a, f' the derivative by w = k (v + theta a)
      LOAD   b                              db = 0
@@ -386,6 +387,33 @@ static PetscErrorCode Stress(Builder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static void ViscousSlope(Builder *b, const MpmOp *op, const PetscReal *const L[], const PetscReal *const dL[],
+                         PetscReal *const dtau[])
+{
+  const MpmMaterialNumbers *m = &b->table->material;
+
+  m->law->viscous_tangent(m, op->factor, b->table->dim, b->sizes->particles, L, dL, dtau);
+}
+
+/* Of the law alone: what has an artificial viscosity has no tangent (scene/settings_request.c). */
+static PetscErrorCode Viscous(Builder *b, const MpmOp *op)
+{
+  const PetscInt dim = b->table->dim;
+  Law            law = {.ny = dim * (dim + 1) / 2, .y = op->dst, .factor = 1, .slope = ViscousSlope};
+  PetscReal     *L[MPM_MAX_DIM * MPM_MAX_DIM], *tau[MPM_MAX_STRESS];
+
+  PetscFunctionBegin;
+  PetscCall(GetArrays(b, op->src, dim * dim, L));
+  PetscCall(GetArrays(b, op->dst, law.ny, tau));
+  b->table->material.law->viscous(&b->table->material, op->factor, dim, b->sizes->particles,
+                                  (const PetscReal *const *)L, tau);
+  PetscCall(RestoreArrays(b, op->dst, law.ny, tau));
+  PetscCall(RestoreArrays(b, op->src, dim * dim, L));
+  Reads(&law, dim * dim, op->src, op->src);
+  PetscCall(AppendLaw(b, op, &law));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static void ReturnSlope(Builder *b, const MpmOp *op, const PetscReal *const F[], const PetscReal *const dF[],
                         PetscReal *const dR[])
 {
@@ -725,6 +753,9 @@ static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
     break;
   case MPM_STRESS:
     PetscCall(Stress(b, op));
+    break;
+  case MPM_VISCOUS:
+    PetscCall(Viscous(b, op));
     break;
   case MPM_STRESS_AHEAD:
     PetscCall(StressAhead(b, op));

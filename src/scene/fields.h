@@ -138,7 +138,7 @@ typedef struct {
   char            text[MPM_COUNTS_TEXT];
 } MpmValue;
 
-#define MPM_MAX_VALUES 110
+#define MPM_MAX_VALUES 120
 
 /*
    MpmValuesIn - the values that a record of a scene shows, in their order there.

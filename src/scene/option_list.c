@@ -119,8 +119,8 @@ WHEN(HasViscosity, s->viscosity != 0)
 WHEN(HasBulkViscosity, s->bulk_viscosity != 0)
 WHEN(HasShearViscosity, s->shear_viscosity != 0)
 
-/* A number of materials that flow: shown where the material reads it. */
-#define PLASTIC(function, which) WHEN(function, s->law->plastic && s->law->plastic->number[which].reads)
+/* A number of a law: shown where the material reads it. */
+#define PLASTIC(function, which) WHEN(function, s->law->number[which].reads)
 PLASTIC(HasYield, MPM_YIELD)
 PLASTIC(HasHardening, MPM_HARDENING)
 PLASTIC(HasSaturation, MPM_SATURATION)
@@ -128,6 +128,10 @@ PLASTIC(HasSaturationRate, MPM_SATURATION_RATE)
 PLASTIC(HasCompressionLimit, MPM_COMPRESSION_LIMIT)
 PLASTIC(HasStretchLimit, MPM_STRETCH_LIMIT)
 PLASTIC(HasFrictionAngle, MPM_FRICTION_ANGLE)
+PLASTIC(HasConsistency, MPM_CONSISTENCY)
+PLASTIC(HasFlowIndex, MPM_FLOW_INDEX)
+WHEN(HasLinear, s->artificial[0] != 0)
+WHEN(HasQuadratic, s->artificial[1] != 0)
 
 /* ---- the table ---- */
 
@@ -216,7 +220,7 @@ const MpmField MpmOptions[] = {
    ANY},
   {"shape", MPM_WORD, "box", "kinematics finite, dim 2 or 3: particles fill a box, two discs of radius L/5 at 1/5 and 4/5 of the domain, or a ring around its middle, of radii 3/4 and 5/4",
    WORDS(MpmShapeNames), .tasks = "run, spectrum", TEXT(ShapeOf), IN(87, 68, 62, 0), SHOWN(HasShape)},
-  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic; with kinematics finite also mises, snow, sand or clay, which flow",
+  {"material", MPM_WORD, "uniform", "momentum schemes: uniform, two (a second one in inclusion), graded (from the first to the second); or, stretched by stretch, neo, svk, tait, gas or polytropic; with kinematics finite also mises, snow, sand or clay, which flow, and herschel_bulkley, a liquid",
    .word = MaterialWord, TEXT(MaterialOf), IN(27, 18, 15, 9), SHOWN(HasMaterialName), .json = "material.kind"},
   {"stretch", MPM_REAL, "1", "F0, how far the material is stretched along x, y and z in the state that the scheme is linear about, or starts from with kinematics finite; it gives prestress and the wave speed there",
    ABOVE(0), EACH(AS_REAL, stretch, stretch[0]), IN(76, 58, 49, 42), SHOWN(HasStretch), .json = "material.stretch"},
@@ -224,8 +228,8 @@ const MpmField MpmOptions[] = {
    FROM(0), KEPT(AS_REAL, lame_ratio), IN(77, 59, 50, 43), SHOWN(HasLameRatio), .json = "material.lame_ratio"},
   {"exponent", MPM_REAL, NULL, "material tait (7) and polytropic (1.4): the power of the density that pressure grows with",
    ABOVE(0), KEPT(AS_REAL, exponent), IN(78, 60, 51, 44), SHOWN(HasExponent), .json = "material.exponent"},
-  {"yield", MPM_REAL, NULL, "material mises: the yield stress of the start, over rho0 c0^2 (0.005); clay: its preconsolidation pressure (0.01)",
-   ABOVE(0), KEPT(AS_REAL, plastic[MPM_YIELD]), IN(97, 79, 72, 0), SHOWN(HasYield), .json = "material.yield"},
+  {"yield", MPM_REAL, NULL, "material mises: the yield stress of the start, over rho0 c0^2 (0.005); clay: its preconsolidation pressure (0.01); herschel_bulkley: the shear stress below which it hardly flows (0)",
+   FROM(0), KEPT(AS_REAL, plastic[MPM_YIELD]), IN(97, 79, 72, 0), SHOWN(HasYield), .json = "material.yield"},
   {"hardening", MPM_REAL, NULL, "material mises: growth of the yield stress per plastic strain, over rho0 c0^2 (0); snow and clay: of the logarithm of the moduli, or of the preconsolidation pressure, per plastic loss of volume (10)",
    FROM(0), KEPT(AS_REAL, plastic[MPM_HARDENING]), IN(98, 80, 73, 0), SHOWN(HasHardening), .json = "material.hardening"},
   {"saturation", MPM_REAL, NULL, "material mises: what Voce's hardening adds to the yield stress in the end, over rho0 c0^2 (0)",
@@ -238,6 +242,10 @@ const MpmField MpmOptions[] = {
    ABOVE(0), KEPT(AS_REAL, plastic[MPM_STRETCH_LIMIT]), IN(102, 84, 77, 0), SHOWN(HasStretchLimit), .json = "material.stretch_limit"},
   {"friction_angle", MPM_REAL, NULL, "material sand: the angle of internal friction, in degrees (35); clay: that of the critical state (25)",
    BETWEEN(0, 90), KEPT(AS_REAL, plastic[MPM_FRICTION_ANGLE]), IN(103, 85, 78, 0), SHOWN(HasFrictionAngle), .json = "material.friction_angle"},
+  {"consistency", MPM_REAL, NULL, "material herschel_bulkley: K of the shear stress yield + K rate^flow_index; in units of rho c^2 (h / c)^flow_index, in a scene in physical units pressure x time^flow_index (0)",
+   FROM(0), KEPT(AS_REAL, plastic[MPM_CONSISTENCY]), IN(111, 94, 87, 0), SHOWN(HasConsistency), .json = "material.consistency"},
+  {"flow_index", MPM_REAL, NULL, "material herschel_bulkley: the power of the shear rate: below 1 it thins as it flows, above 1 it thickens (1)",
+   ABOVE(0), KEPT(AS_REAL, plastic[MPM_FLOW_INDEX]), IN(112, 95, 88, 0), SHOWN(HasFlowIndex), .json = "material.flow_index"},
   {"prestress", MPM_REAL, "0", "momentum schemes: sigma0 / (rho c^2), the stress of the state that the scheme is linear about; c is the speed of P waves along x there. With dim 2 along x,y or xx,xy,yy; with dim 3 along x,y,z or xx,xy,xz,yy,yz,zz",
    BETWEEN(-1e6, 1e6), MADE(AS_REAL, scheme.space.prestress), .each = STRIDE(scheme.space.prestress[0]), .numbers = StressNumbers, IN(79, 61, 52, 45), SHOWN(HasPrestress)},
   {"move", MPM_WORD, "grid", "with a prestress or kinematics finite: particles move with the new velocity of the grid, or with that of the second P2G (musl, usavg)",
@@ -252,10 +260,14 @@ const MpmField MpmOptions[] = {
    BETWEEN(0, 1), KEPT(AS_REAL, scheme.space.local), IN(108, 91, 84, 0), SHOWN(HasLocal)},
   {"viscosity", MPM_REAL, "0", "momentum schemes: viscosity of a Kelvin-Voigt solid, in proportion to its stiffness; eta of P waves, in units of rho c h, in a scene in physical units pressure x time",
    FROM(0), KEPT(AS_REAL, viscosity), IN(105, 87, 80, 56), SHOWN(HasViscosity)},
-  {"shear_viscosity", MPM_REAL, "0", "momentum schemes: viscosity of a Newtonian fluid without bulk viscosity, 2 eta times the deviator of the strain rate; in the units of viscosity",
+  {"shear_viscosity", MPM_REAL, "0", "momentum schemes: viscosity of a Newtonian fluid without bulk viscosity, 2 eta times the deviator of the strain rate; in the units of viscosity. Of material herschel_bulkley the largest viscosity",
    FROM(0), KEPT(AS_REAL, shear_viscosity), IN(106, 88, 81, 57), SHOWN(HasShearViscosity)},
-  {"bulk_viscosity", MPM_REAL, "0", "momentum schemes: viscosity against a change of volume, times the divergence of the velocity, as the linear term of an artificial viscosity has it in compression; in the units of viscosity",
+  {"bulk_viscosity", MPM_REAL, "0", "momentum schemes: viscosity against a change of volume, times the divergence of the velocity; in the units of viscosity",
    FROM(0), KEPT(AS_REAL, bulk_viscosity), IN(107, 89, 82, 58), SHOWN(HasBulkViscosity)},
+  {"artificial_linear", MPM_REAL, "0", "kinematics finite: C1 of the artificial viscosity of von Neumann and Richtmyer, which adds the pressure C1 rho c h abs(div v) where particles are compressed (0.2 in Uintah, 0.06 in MPM3D)",
+   FROM(0), KEPT(AS_REAL, artificial[0]), IN(113, 96, 89, 0), SHOWN(HasLinear)},
+  {"artificial_quadratic", MPM_REAL, "0", "kinematics finite: C2 of the same, which adds C2 rho (h div v)^2 (2 in Uintah, 1.5 in MPM3D)",
+   FROM(0), KEPT(AS_REAL, artificial[1]), IN(114, 97, 90, 0), SHOWN(HasQuadratic)},
   {"density_ratio", MPM_REAL, "1", "density of the second material over the first's",
    BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), SHOWN(HasMaterial), .json = "material.density_ratio"},
   {"stiffness_ratio", MPM_REAL, "1", "stiffness of the second material over the first's",

@@ -378,12 +378,12 @@ MPM_WHEN(IsNeoInSpace, !s->scheme.space.finite && s->law == &MpmLawNeo && s->lay
 MPM_WHEN(HasNoExponent, !(s->law->exponent > 0))
 
 static const MpmRule rules[] = {
-  {"gravity,halvings", "kinematics", MPM_FROM_SCENE, IsLinear, "allowed: only with kinematics finite"},
+  {"gravity,halvings,artificial_linear,artificial_quadratic", "kinematics", MPM_FROM_SCENE, IsLinear, "allowed: only with kinematics finite"},
   {"stretch", "material", MPM_FROM_SCENE, IsUnstretched, "allowed: only with material neo, svk, tait, gas or polytropic"},
   {"lame_ratio", "material", MPM_FROM_SCENE, IsFluid, "it is a fluid; allowed: only with a solid"},
   {"lame_ratio", "material", MPM_FROM_SCENE, IsNotNeo, "allowed: only with material neo"},
   {"lame_ratio", "material", MPM_FROM_SCENE, IsNeoInSpace, "poisson says it with dim 2 or 3; allowed: only with dim 1"},
-  {"exponent", "material", MPM_FROM_SCENE, HasNoExponent, "allowed: only with material tait or polytropic"},
+  {"exponent", "material", MPM_FROM_SCENE, HasNoExponent, "allowed: only with material tait, polytropic or herschel_bulkley"},
   {"prestress", "kinematics", MPM_FROM_SCENE, IsFinite, "with kinematics finite material and stretch give it; allowed: one of the two"},
   {"cluster", "dim", MPM_FROM_SCENE, HasDimensions, "allowed: only with dim 1"},
   {"fill", "counts", MPM_FROM_SCENE, HasCounts, "allowed: with ppc (counts may be 0 where there is nothing)"},

@@ -60,7 +60,7 @@ static PetscErrorCode FromSolid(const MpmSettings *settings, MpmScene *scene)
 {
   const PetscInt           dim      = scene->layout.dim;
   const PetscReal          nu       = scene->scheme.space.poisson;
-  const MpmMaterialNumbers material = {scene->law, (1 - 2 * nu) / (2 * (1 - nu)), nu / (1 - nu), 0, {0}, NULL};
+  const MpmMaterialNumbers material = {scene->law, (1 - 2 * nu) / (2 * (1 - nu)), nu / (1 - nu), 0, {0}, 0, {0}, NULL};
   MpmSpace                *space    = &scene->scheme.space;
   PetscReal                F[MPM_MAX_DIM * MPM_MAX_DIM] = {0}, tau[MPM_MAX_STRESS], sigma[MPM_MAX_DIM] = {0}, M;
   const PetscReal         *from[MPM_MAX_DIM * MPM_MAX_DIM];
@@ -200,25 +200,25 @@ static void ReadersOf(PetscInt number, size_t room, char text[])
   int    n    = 0;
 
   for (const MpmLaw *const *law = MpmLaws; *law; law++)
-    if ((*law)->plastic && (*law)->plastic->number[number].reads)
+    if ((*law)->number[number].reads)
       used += (size_t)snprintf(text + used, room - used, "%s%s", n++ ? " or " : "", (*law)->name);
 }
 
 static PetscErrorCode ReadPlastic(const MpmSettings *settings, MpmScene *scene)
 {
-  const MpmPlastic *law = scene->law->plastic;
-  char              text[256];
+  const MpmLaw *law = scene->law;
+  char          text[256];
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS; i++) {
     const char *name = MpmPlasticNames[i];
 
     ReadersOf(i, sizeof text, text);
-    if (!law || !law->number[i].reads) PetscCall(MpmSettingsRefuseUnless(settings, name, "material", text));
-    if (!law || !law->number[i].reads || MpmSettingsGiven(settings, name)) continue;
+    if (!law->number[i].reads) PetscCall(MpmSettingsRefuseUnless(settings, name, "material", text));
+    if (!law->number[i].reads || MpmSettingsGiven(settings, name)) continue;
     scene->plastic[i] = law->number[i].usual;
   }
-  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS && law; i++)
+  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS; i++)
     MpmSettingsRefuseIf(law->number[i].reads &&
                             !(scene->plastic[i] >= law->number[i].least && scene->plastic[i] <= law->number[i].most),
                         settings, MpmPlasticNames[i], "allowed with material %s: from %g to %g", scene->law->name,
@@ -266,9 +266,9 @@ PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsWord(settings, "material", &word));
   MpmSettingsRefuseIf(finite && word > 0 && word < MPM_MATERIAL_KINDS, settings, "material",
                       "with kinematics finite all particles are of one material; allowed: uniform (linear in "
-                      "the stretch), neo, svk, tait, gas, polytropic, mises, snow, sand or clay");
+                      "the stretch), neo, svk, tait, gas, polytropic, mises, snow, sand, clay or herschel_bulkley");
   scene->law = word < MPM_MATERIAL_KINDS ? &MpmLawLinear : MpmLaws[word - MPM_MATERIAL_KINDS + 1];
-  MpmSettingsRefuseIf(!finite && scene->law->plastic, settings, "material",
+  MpmSettingsRefuseIf(!finite && (scene->law->plastic || scene->law->viscous), settings, "material",
                       "it flows, and a linear scheme is about a state that does not; allowed: with kinematics finite");
   PetscCall(ReadPlastic(settings, scene));
   if (scene->law->exponent > 0 && !MpmSettingsGiven(settings, "exponent")) scene->exponent = scene->law->exponent;
@@ -451,10 +451,6 @@ static PetscErrorCode Check(const MpmSettings *settings, const MpmScene *scene, 
   PetscFunctionBegin;
   if (value == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsRequire(settings, scene, option, HasForce, "explicit force of a stress that it could join"));
-  MpmSettingsRefuseIf(
-      scene->safety > 0, settings, option,
-      "courant auto goes by the speed of waves, and this lowers the largest step besides; allowed: with "
-      "a number for courant");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -472,6 +468,25 @@ static PetscErrorCode Scaled(const MpmSettings *settings, const MpmScene *scene,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* What a stress of the velocity's gradient depends on, in units of the step: largest is the largest viscosity of a law that has one. */
+static PetscErrorCode ReadViscous(const MpmSettings *settings, MpmScene *scene, PetscReal largest)
+{
+  MpmMaterialNumbers *m    = &scene->scheme.space.material;
+  const PetscReal     rate = scene->wave_speed / scene->cell_width, index = scene->plastic[MPM_FLOW_INDEX];
+
+  PetscFunctionBegin;
+  PetscCall(PetscArraycpy(m->artificial, scene->artificial, 2));
+  PetscCall(Check(settings, scene, "artificial_linear", m->artificial[0]));
+  PetscCall(Check(settings, scene, "artificial_quadratic", m->artificial[1]));
+  if (!scene->law->viscous) PetscFunctionReturn(PETSC_SUCCESS);
+  MpmSettingsRefuseIf(!(largest > 0), settings, "material",
+                      "below its yield stress it has its largest viscosity; allowed: with shear_viscosity above 0");
+  m->viscosity = largest;
+  if (MpmSceneIsPhysical(scene))
+    m->plastic[MPM_CONSISTENCY] *= pow(rate, index) / (scene->density * PetscSqr(scene->wave_speed));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSettingsReadDamping(const MpmSettings *settings, MpmScene *scene)
 {
   MpmSpace       *space = &scene->scheme.space;
@@ -485,6 +500,8 @@ PetscErrorCode MpmSettingsReadDamping(const MpmSettings *settings, MpmScene *sce
   PetscCall(Scaled(settings, scene, "viscosity", &solid));
   PetscCall(Scaled(settings, scene, "shear_viscosity", &fluid));
   PetscCall(Scaled(settings, scene, "bulk_viscosity", &bulk));
+  PetscCall(ReadViscous(settings, scene, fluid));
+  if (scene->law->viscous) fluid = 0;
   space->damping      = scene->grid_damping * (MpmSceneIsPhysical(scene) ? scene->cell_width / scene->wave_speed : 1);
   space->viscous[0]   = solid * (1 - 2 * mu) - 2 * fluid / 3 + bulk;
   space->viscous[1]   = solid * mu + fluid;

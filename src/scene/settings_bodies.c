@@ -107,8 +107,8 @@ static PetscInt KeysOf(const MpmBlockReader *r, const MpmLaw *law, const char *n
   names[n++] = "material";
   if (law->solid && r->scene->layout.dim > 1) names[n++] = "poisson";
   if (law->exponent > 0) names[n++] = "exponent";
-  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS && law->plastic; i++)
-    if (law->plastic->number[i].reads) names[n++] = MpmPlasticNames[i];
+  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS; i++)
+    if (law->number[i].reads) names[n++] = MpmPlasticNames[i];
   return n;
 }
 
@@ -152,16 +152,15 @@ static PetscErrorCode ReadMaterial(MpmBlockReader *r, const yaml_node_t *block, 
   if (MpmBlockFind(r, block, "exponent"))
     PetscCall(MpmBlockReadNumbers(r, block, "exponent", PETSC_TRUE, &body->material.exponent));
   REFUSE_IF(law->exponent > 0 && !(body->material.exponent > 0), r, "exponent", "allowed: greater than 0");
-  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS && law->plastic; i++) {
+  for (PetscInt i = 0; i < MPM_PLASTIC_NUMBERS; i++) {
     PetscReal *number = &body->material.plastic[i];
 
     if (law == scene->law) *number = scene->plastic[i];
-    if (!law->plastic->number[i].reads || !MpmBlockFind(r, block, MpmPlasticNames[i])) continue;
+    if (!law->number[i].reads || !MpmBlockFind(r, block, MpmPlasticNames[i])) continue;
     PetscCall(MpmBlockReadNumbers(r, block, MpmPlasticNames[i], PETSC_TRUE, number));
-    (void)snprintf(why, sizeof why, "allowed with material %s: from %g to %g", law->name,
-                   (double)law->plastic->number[i].least, (double)law->plastic->number[i].most);
-    REFUSE_IF(!(*number >= law->plastic->number[i].least && *number <= law->plastic->number[i].most), r,
-              MpmPlasticNames[i], why);
+    (void)snprintf(why, sizeof why, "allowed with material %s: from %g to %g", law->name, (double)law->number[i].least,
+                   (double)law->number[i].most);
+    REFUSE_IF(!(*number >= law->number[i].least && *number <= law->number[i].most), r, MpmPlasticNames[i], why);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -376,6 +375,10 @@ static PetscErrorCode SetMaterials(const MpmBlockReader *r, PetscReal room)
   if (r->materials.n == 1 && MpmMaterialsAdd(&own, &r->materials.of[0]) == 0) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsRequire(r->settings, r->scene, r->option, MpmFormulationHasOneStage,
                                "steps of one stage, without IMPLICIT, as several materials need"));
+  for (PetscInt i = 0; i < r->materials.n; i++)
+    MpmSettingsRefuseIf(r->materials.of[i].law->viscous, r->settings, r->option,
+                        "material %s does not go with others; allowed: all bodies of the material of the scene",
+                        r->materials.of[i].law->name);
   PetscCall(PetscMalloc1((size_t)room, &given->material));
   PetscCall(PetscNew(&given->materials));
   *given->materials = r->materials;

@@ -97,6 +97,9 @@ static const char *WhyNot(const MpmScene *scene)
   if (!scene->scheme.space.finite) return "the step is linear, and is its own tangent; allowed: with kinematics finite";
   if (scene->scheme.space.local != 0)
     return "with local_damping the step has no derivative where a velocity is 0; allowed: without local_damping";
+  if (scene->artificial[0] > 0 || scene->artificial[1] > 0)
+    return "an artificial viscosity acts in compression alone, and has no derivative where the volume rests; allowed: "
+           "without artificial_linear and artificial_quadratic, or bulk_viscosity in their place";
   if (scene->scheme.numbers.rk_relax)
     return "with rk_relax a step has a factor, which has no derivative where it comes to 1; allowed: without rk_relax";
   if (MpmCollidersStiffness(scene->layout.colliders) > 0)

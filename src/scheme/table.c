@@ -626,9 +626,13 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
 {
   MpmFormulation  written = *formulation;
   MpmOp           lines[MPM_MOST_TABLE_LINES];
-  MpmTableBuilder b = {
-      .formulation = &written, .transfer = transfer, .numbers = numbers, .space = space, .viscous = MPM_NONE};
-  MpmTable *t;
+  MpmTableBuilder b = {.formulation = &written,
+                       .transfer    = transfer,
+                       .numbers     = numbers,
+                       .space       = space,
+                       .viscous     = MPM_NONE,
+                       .rate        = MPM_NONE};
+  MpmTable       *t;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(table));

@@ -37,6 +37,7 @@
    implicit        - the formulation has IMPLICIT. Then a scratch stress is that of the middle of the step, at the part ahead of it
                      with the velocity in the node registers from start on; its first register is stress
    viscous         - the first of the scratch registers of the viscous stress, or MPM_NONE
+   rate            - the same of the velocity's slopes that the viscous stress of a material is made of
 S*/
 typedef struct {
   const MpmFormulation   *formulation;
@@ -51,7 +52,7 @@ typedef struct {
   PetscReal share[MPM_MAX_MOVED];
   PetscBool staged, implicit;
   PetscReal ahead, at_part;
-  PetscInt  start, stress, viscous;
+  PetscInt  start, stress, viscous, rate;
   MpmTable *table;
 } MpmTableBuilder;
 

@@ -63,6 +63,23 @@ static PetscInt Component(const MpmTableBuilder *b, PetscInt a, PetscInt c)
   return b->viscous + (b->space->viscous[1] == 0 ? 0 : MpmStressComponent(b->space->dim, a, c));
 }
 
+/* The slopes of the velocity, for a material with a viscous stress (table_finite.c). */
+static PetscErrorCode Rate(MpmTableBuilder *b, PetscInt v)
+{
+  static const MpmOp slope = {.kind = MPM_G2P_SLOPE, .accumulates = PETSC_TRUE, .factor = 1};
+  const PetscInt     dim = b->space->dim, n = dim * dim;
+  const PetscBool    begun = b->rate != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
+  PetscInt           other;
+
+  PetscFunctionBegin;
+  for (PetscInt a = 0; a < dim; a++) PetscCall(MpmBuilderSharpen(b, v + a, &other));
+  for (PetscInt c = 0; c < n && !begun; c++) PetscCall(MpmTableScratch(b->table, c ? &other : &b->rate));
+  for (PetscInt c = 0; c < n; c++) PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->rate + c, 0)));
+  for (PetscInt c = 0; c < n; c++)
+    PetscCall(MpmBuilderTerm(b, &slope, b->rate + c, v + c / dim, c % dim, 1, PETSC_TRUE));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* q_ac += number times the slope along axis of a component of the velocity */
 static PetscErrorCode Add(MpmTableBuilder *b, PetscInt q, PetscInt velocity, PetscInt axis, PetscReal number)
 {
@@ -99,11 +116,12 @@ static PetscErrorCode Stress(MpmTableBuilder *b, PetscInt v)
 
 PetscErrorCode MpmDampingBefore(MpmTableBuilder *b, PetscInt o)
 {
-  const MpmFormulation *f = b->formulation;
+  const MpmFormulation *f      = b->formulation;
+  const PetscBool       linear = b->space->viscous[0] != 0 || b->space->viscous[1] != 0 ? PETSC_TRUE : PETSC_FALSE;
   PetscInt              force, velocity;
 
   PetscFunctionBegin;
-  if (b->space->viscous[0] == 0 && b->space->viscous[1] == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!linear && !MpmMaterialIsViscous(&b->space->material)) PetscFunctionReturn(PETSC_SUCCESS);
   force = ForceOf(f, o);
   if (force == MPM_NONE || f->ops[force].accumulates) PetscFunctionReturn(PETSC_SUCCESS);
   velocity = VelocityLine(f, force);
@@ -112,7 +130,8 @@ PetscErrorCode MpmDampingBefore(MpmTableBuilder *b, PetscInt o)
       "%s: viscosity needs the velocity of the grid before a stress begins that a force is made of, and here it "
       "comes later or never; allowed: without viscosity, or rk_on nodes",
       b->table->where);
-  PetscCall(Stress(b, b->node[f->ops[velocity].dst]));
+  if (linear) PetscCall(Stress(b, b->node[f->ops[velocity].dst]));
+  if (MpmMaterialIsViscous(&b->space->material)) PetscCall(Rate(b, b->node[f->ops[velocity].dst]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

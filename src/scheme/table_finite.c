@@ -5,6 +5,7 @@
 
      DIV of the stress    tau = tau(F), the Kirchhoff stress of the material; then DIV of tau, whose weight is the volume at
                           rest, since V sigma = V0 tau; and P2G of the body force, where there is one
+     a viscous material   L = h GRAD v_i of the velocity that the force is made at, and tau += its viscous stress
      GRAD to the stress   L = k sum_i v_i dphi_ip, of all GRADs that follow one another; then F <- (I + L) F, and in a step
                           of several stages F <- (I + L + L L / 2) F
      q = s + GRAD         the stress of a stage: the same of a copy of F
@@ -220,6 +221,9 @@ PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
   if (ahead) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(
       MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_STRESS, .dst = tau, .src = b->stretched[op->src], .factor = 1}));
+  if (b->rate != MPM_NONE && !op->accumulates)
+    PetscCall(MpmTableAppendOwn(
+        b->table, (MpmOp){.kind = MPM_VISCOUS, .dst = tau, .src = b->rate, .factor = 1 / b->space->stiffness}));
   if (b->space->loaded)
     PetscCall(
         MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = b->at_part}));

@@ -91,6 +91,7 @@ MpmOpTraits MpmOpTraitsOf(MpmOpKind kind)
       [MPM_GRAD_MLS]     = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .weight = MPM_STIFFNESS},
       [MPM_G2P_SLOPE]    = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_NODES, .weight = MPM_MOBILITY},
       [MPM_STRESS]       = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
+      [MPM_VISCOUS]      = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_STRESS_AHEAD] = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_LOAD]         = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},
       [MPM_STRETCH]      = {.dst = MPM_ON_PARTICLES, .src = MPM_ON_PARTICLES},

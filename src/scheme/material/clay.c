@@ -136,12 +136,14 @@ static void Back(const MpmMaterialNumbers *m, PetscReal e[3], PetscReal *q, Pets
 
 static const MpmPlastic plastic = {.internal = "plastic_loss",
                                    .outside  = PETSC_TRUE,
-                                   .number   = {[MPM_YIELD]          = {PETSC_TRUE, 0.01, 1e-9, 1e3},
-                                                [MPM_HARDENING]      = {PETSC_TRUE, 10, 0, 500},
-                                                [MPM_FRICTION_ANGLE] = {PETSC_TRUE, 25, 0.01, 89}},
                                    .yield    = Yield,
                                    .back     = Back,
                                    .stress   = MpmHenckyStress,
                                    .energy   = MpmHenckyEnergy};
 
-const MpmLaw MpmLawClay = {.name = "clay", MPM_PLASTIC_FUNCTIONS, .plastic = &plastic};
+const MpmLaw MpmLawClay = {.name = "clay",
+                           MPM_PLASTIC_FUNCTIONS,
+                           .plastic = &plastic,
+                           .number  = {[MPM_YIELD]          = {PETSC_TRUE, 0.01, 1e-9, 1e3},
+                                       [MPM_HARDENING]      = {PETSC_TRUE, 10, 0, 500},
+                                       [MPM_FRICTION_ANGLE] = {PETSC_TRUE, 25, 0.01, 89}}};

@@ -71,13 +71,15 @@ static void Back(const MpmMaterialNumbers *m, PetscReal e[3], PetscReal *q, Pets
 
 static const MpmPlastic plastic = {.internal = "plastic_strain",
                                    .outside  = PETSC_TRUE,
-                                   .number   = {[MPM_YIELD]           = {PETSC_TRUE, 0.005, 1e-9, 1e3},
-                                                [MPM_HARDENING]       = {PETSC_TRUE, 0, 0, 1e3},
-                                                [MPM_SATURATION]      = {PETSC_TRUE, 0, 0, 1e3},
-                                                [MPM_SATURATION_RATE] = {PETSC_TRUE, 10, 0, 1e6}},
                                    .yield    = Yield,
                                    .back     = Back,
                                    .stress   = MpmHenckyStress,
                                    .energy   = MpmHenckyEnergy};
 
-const MpmLaw MpmLawMises = {.name = "mises", MPM_PLASTIC_FUNCTIONS, .plastic = &plastic};
+const MpmLaw MpmLawMises = {.name = "mises",
+                            MPM_PLASTIC_FUNCTIONS,
+                            .plastic = &plastic,
+                            .number  = {[MPM_YIELD]           = {PETSC_TRUE, 0.005, 1e-9, 1e3},
+                                        [MPM_HARDENING]       = {PETSC_TRUE, 0, 0, 1e3},
+                                        [MPM_SATURATION]      = {PETSC_TRUE, 0, 0, 1e3},
+                                        [MPM_SATURATION_RATE] = {PETSC_TRUE, 10, 0, 1e6}}};

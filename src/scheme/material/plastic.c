@@ -25,8 +25,8 @@
 const char *const MpmBranchNames[] = {"own", "loading", "unloading", NULL};
 
 const char *const MpmPlasticNames[] = {
-    "yield",         "hardening",      "saturation", "saturation_rate", "compression_limit",
-    "stretch_limit", "friction_angle", NULL};
+    "yield",         "hardening",      "saturation",  "saturation_rate", "compression_limit",
+    "stretch_limit", "friction_angle", "consistency", "flow_index",      NULL};
 
 /* Principal strains and axes of a block of particles; column c of U is an axis. */
 typedef struct {

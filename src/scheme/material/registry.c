@@ -4,8 +4,9 @@
 #include "scheme/material/several.h"
 #include <math.h>
 
-const MpmLaw *const MpmLaws[] = {&MpmLawLinear, &MpmLawNeo,  &MpmLawSvk,  &MpmLawTait, &MpmLawGas, &MpmLawPolytropic,
-                                 &MpmLawMises,  &MpmLawSnow, &MpmLawSand, &MpmLawClay, NULL};
+const MpmLaw *const MpmLaws[] = {&MpmLawLinear,          &MpmLawNeo,   &MpmLawSvk,  &MpmLawTait, &MpmLawGas,
+                                 &MpmLawPolytropic,      &MpmLawMises, &MpmLawSnow, &MpmLawSand, &MpmLawClay,
+                                 &MpmLawHerschelBulkley, NULL};
 
 void MpmMaterialStress(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, const PetscReal *const F[],
                        PetscReal *const tau[])

@@ -58,10 +58,12 @@ static void Back(const MpmMaterialNumbers *m, PetscReal e[3], PetscReal *q, Pets
 
 static const MpmPlastic plastic = {.internal = "volume_gain",
                                    .outside  = PETSC_TRUE,
-                                   .number   = {[MPM_FRICTION_ANGLE] = {PETSC_TRUE, 35, 0.01, 89}},
                                    .yield    = Yield,
                                    .back     = Back,
                                    .stress   = MpmHenckyStress,
                                    .energy   = MpmHenckyEnergy};
 
-const MpmLaw MpmLawSand = {.name = "sand", MPM_PLASTIC_FUNCTIONS, .plastic = &plastic};
+const MpmLaw MpmLawSand = {.name = "sand",
+                           MPM_PLASTIC_FUNCTIONS,
+                           .plastic = &plastic,
+                           .number  = {[MPM_FRICTION_ANGLE] = {PETSC_TRUE, 35, 0.01, 89}}};

@@ -80,14 +80,12 @@ static PetscReal Energy(const MpmMaterialNumbers *m, const PetscReal e[3], Petsc
          (m->mu * squares + m->lambda / 2 * PetscSqr(expm1(e[0] + e[1] + e[2])));
 }
 
-static const MpmPlastic plastic = {.internal = "plastic_volume",
-                                   .start    = 1,
-                                   .number   = {[MPM_HARDENING]         = {PETSC_TRUE, 10, 0, 100},
-                                                [MPM_COMPRESSION_LIMIT] = {PETSC_TRUE, 2.5e-2, 1e-9, 0.9},
-                                                [MPM_STRETCH_LIMIT]     = {PETSC_TRUE, 7.5e-3, 1e-9, 10}},
-                                   .yield    = Yield,
-                                   .back     = Back,
-                                   .stress   = Stress,
-                                   .energy   = Energy};
+static const MpmPlastic plastic = {
+    .internal = "plastic_volume", .start = 1, .yield = Yield, .back = Back, .stress = Stress, .energy = Energy};
 
-const MpmLaw MpmLawSnow = {.name = "snow", MPM_PLASTIC_FUNCTIONS, .plastic = &plastic};
+const MpmLaw MpmLawSnow = {.name = "snow",
+                           MPM_PLASTIC_FUNCTIONS,
+                           .plastic = &plastic,
+                           .number  = {[MPM_HARDENING]         = {PETSC_TRUE, 10, 0, 100},
+                                       [MPM_COMPRESSION_LIMIT] = {PETSC_TRUE, 2.5e-2, 1e-9, 0.9},
+                                       [MPM_STRETCH_LIMIT]     = {PETSC_TRUE, 7.5e-3, 1e-9, 10}}};
