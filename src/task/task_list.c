@@ -499,10 +499,11 @@ static PetscErrorCode ListScope(void)
   MpmPrint("  %-14s linear steps about a stretched state, or with colliders that stick or slip; tangents of a run's "
            "states\n",
            "");
-  MpmPrint("  %-14s runs at finite strain, also of metal, snow, sand, clay and liquids that flow: their energy and error; "
-           "growth in a "
-           "run is measured and not proved\n",
-           "by marching");
+  MpmPrint(
+      "  %-14s runs at finite strain, also of metal, snow, sand, clay and liquids that flow: their energy and error; "
+      "growth in a "
+      "run is measured and not proved\n",
+      "by marching");
   MpmPrint("  %-14s damping of the grid and viscosity, in steps, limits and runs; colliders of contact penalty and "
            "local damping in runs\n",
            "");

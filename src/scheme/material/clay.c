@@ -19,6 +19,7 @@
 #include <math.h>
 
 #define MOST_STEPS 200
+#define SMALL 1e-12 /* a change of g so small beside it is rounding */
 
 /* A flow: from the trial values tr, d = norm(dev e) and q; to x and g. Of these: p, c, r and (Q / M)^2. */
 typedef struct {
@@ -86,9 +87,10 @@ static PetscReal Yield(const MpmMaterialNumbers *m, const PetscReal e[3], PetscR
   return Follow(&f, 0) / f.c;
 }
 
-static void Solve(Flow *f)
+/* Returns whether it has found the flow. */
+static PetscBool Solve(Flow *f)
 {
-  PetscReal low = 0, high = f->M2 / (6 * f->mu), value, R[2][5], g = 0;
+  PetscReal low = 0, high = f->M2 / (6 * f->mu), value, R[2][5], g = 0, change = INFINITY;
 
   for (PetscInt i = 0; i < MOST_STEPS && Follow(f, high) > 0; i++) high *= 2;
   for (PetscInt i = 0; i < MOST_STEPS; i++) {
@@ -102,19 +104,22 @@ static void Solve(Flow *f)
     Differ(f, R);
     next = g - value / (R[1][0] - R[1][1] * R[0][0] / R[0][1]);
     if (!(next > low && next < high)) next = (low + high) / 2;
-    if (fabs(next - g) <= 1e-15 * g) break;
+    change = fabs(next - g);
+    if (change <= 1e-15 * g) break;
     g = next;
   }
+  return change <= SMALL * g ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static void Back(const MpmMaterialNumbers *m, PetscReal e[3], PetscReal *q, PetscReal slope[4][4])
 {
   PetscReal dev[3], R[2][5], by[2][5] = {{0}};
-  Flow      f = FlowOf(m, e, *q, dev);
+  Flow      f     = FlowOf(m, e, *q, dev);
+  PetscBool found = PETSC_TRUE;
 
-  if (Follow(&f, 0) > 0) Solve(&f);
+  if (Follow(&f, 0) > 0) found = Solve(&f);
   for (PetscInt a = 0; a < 3; a++) e[a] = (f.tr + f.x) / 3 + f.r * dev[a];
-  *q += f.x;
+  *q = found ? *q + f.x : NAN;
   if (!slope) return;
   Differ(&f, R);
   for (PetscInt u = 2; u < 5; u++) { /* of g and x, by tr, d and q */
