@@ -100,6 +100,16 @@ static void Stress(const MpmMarch *march, const MpmFiniteBlock *block)
     for (PetscInt p = 0; p < block->n; p++) block->to[c][p] *= block->stiffness[p];
 }
 
+/* A return mapping that does not converge leaves an internal variable that is no number (scheme/material/plastic.h). */
+static void Return(const MpmMarch *march, const MpmFiniteBlock *block)
+{
+  const PetscInt dim = march->grid->dim;
+
+  MpmMaterialReturn(&march->scheme->table->material, dim, block->n, block->to);
+  for (PetscInt p = 0; p < block->n; p++)
+    if (isnan(block->to[dim * dim][p])) Note(march, MPM_NOT_RETURNED, block, p);
+}
+
 /* The watch keeps the largest artificial viscosity, which bounds the next step. */
 static void Viscous(const MpmMarch *march, const MpmFiniteBlock *block)
 {
@@ -139,7 +149,7 @@ void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *b
   else if (kind == MPM_ADVANCE)
     Advance(march, block);
   else if (kind == MPM_RETURN)
-    MpmMaterialReturn(&march->scheme->table->material, dim, block->n, block->to);
+    Return(march, block);
   else {
     const PetscInt bad = MpmStretch(dim, block->n, block->a, block->to, from);
 
@@ -170,6 +180,7 @@ static void Append(size_t room, char text[], PetscInt n, const PetscReal number[
 /* What the rank of the failed particle says: which particle it is, where it is, and how it is stretched. */
 static PetscErrorCode Describe(const MpmMarch *march, size_t room, char text[])
 {
+  const MpmTable *t     = march->scheme->table;
   const MpmWatch *watch = march->watch;
   const PetscInt  dim = march->grid->dim, p = watch->particle;
   PetscReal       x[MPM_MAX_DIM], F[MPM_MAX_DIM * MPM_MAX_DIM], *values;
@@ -185,7 +196,7 @@ static PetscErrorCode Describe(const MpmMarch *march, size_t room, char text[])
     PetscCall(MpmParticlesRestore(march->particles, MpmFieldCell[a], &cell));
   }
   for (PetscInt c = 0; c < dim * dim; c++) {
-    const char *name = march->scheme->table->fields[march->scheme->table->stretch + c];
+    const char *name = t->fields[t->stretch + c];
 
     PetscCall(MpmParticlesGet(march->particles, name, &values));
     F[c] = values[p];
@@ -200,7 +211,10 @@ static PetscErrorCode Describe(const MpmMarch *march, size_t room, char text[])
   if (watch->kind == MPM_INVERTED)
     (void)snprintf(text + strlen(text), room - strlen(text),
                    " has the volume det F = %.6g, which is not positive and finite", MpmDeterminant(dim, F));
-  else {
+  else if (watch->kind == MPM_NOT_RETURNED) {
+    (void)snprintf(text + strlen(text), room - strlen(text), " does not come back to the yield surface of material %s",
+                   t->material.law->name);
+  } else {
     (void)snprintf(text + strlen(text), room - strlen(text), " would move by ");
     Append(room, text, dim, watch->way);
     (void)snprintf(text + strlen(text), room - strlen(text),

@@ -8,7 +8,7 @@
 /*E
    MpmFailureKind - what is wrong with a particle.
 E*/
-typedef enum { MPM_NO_FAILURE, MPM_INVERTED, MPM_TOO_FAST } MpmFailureKind;
+typedef enum { MPM_NO_FAILURE, MPM_INVERTED, MPM_TOO_FAST, MPM_NOT_RETURNED } MpmFailureKind;
 
 /*S
    MpmWatch_ - what passes find out about the places of this rank's particles.

@@ -7,6 +7,7 @@
 #include "gather.h"
 #include "march/diagnostics.h"
 #include "oracle.h"
+#include <string.h>
 
 #define LEAST 1.0001        /* growth per step; rows without growth have nothing to measure */
 #define LEAST_ON_RANKS 1.05 /* the same, where steps wait for messages */
@@ -232,6 +233,37 @@ static PetscErrorCode CheckLinear(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static void Never(const MpmMaterialNumbers *m, PetscReal e[3], PetscReal *q, PetscReal slope[4][4])
+{
+  (void)m, (void)e, (void)slope;
+  *q = NAN;
+}
+
+/* A return mapping that does not converge ends the march, with the particle, its state and the step. */
+static PetscErrorCode CheckReturn(void)
+{
+  MpmPlastic plastic = *MpmLawClay.plastic;
+  MpmLaw     law     = MpmLawClay;
+  MpmScene  *scene;
+  MpmMarch  *march;
+
+  PetscFunctionBegin;
+  plastic.back = Never;
+  law.plastic  = &plastic;
+  PetscCall(
+      CheckScene("-kinematics finite -dim 2 -formulation usl -basis quadratic -material clay -cells 8 -initial random "
+                 "-amplitude 0.01 -courant 0.2 -steps 1",
+                 &scene));
+  scene->scheme.table->material.law = &law;
+  PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &march));
+  CHECK(strstr(march->failure, "step 1: particle ") && strstr(march->failure, " with the stretch F = ") &&
+            strstr(march->failure, " does not come back to the yield surface of material clay"),
+        "%s", march->failure);
+  PetscCall(MpmMarchDestroy(&march));
+  PetscCall(MpmSceneDestroy(&scene));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 static PetscErrorCode Body(int argc, char **argv)
 {
   PetscMPIInt size;
@@ -239,6 +271,7 @@ static PetscErrorCode Body(int argc, char **argv)
   PetscFunctionBeginUser;
   PetscCheck(argc > 1, PETSC_COMM_SELF, PETSC_ERR_USER_INPUT, "test_finite growth-nonlinear.csv");
   PetscCall(TestSteps());
+  PetscCall(CheckReturn());
   PetscCall(OracleGrowthNonlinear(argv[1], 40, CheckRow));
   PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   if (size == 1) PetscCall(CheckLinear()); /* that ranks do not matter is shown by the steps */

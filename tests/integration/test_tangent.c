@@ -458,7 +458,7 @@ static PetscErrorCode CheckColliders(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Materials that flow: where all particles do, and where none does. */
+/* Materials that flow, and a viscous stress: where all particles do, and where none does. */
 static PetscErrorCode CheckPlastic(void)
 {
   static const char *const kinds[] = {
@@ -474,6 +474,14 @@ static PetscErrorCode CheckPlastic(void)
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(kinds); i++) {
     PetscCall(
         PetscSNPrintf(options, sizeof options, "-kinematics finite -lame_ratio 0.7 -jitter 0.2 -seed 3 %s", kinds[i]));
+    PetscCall(CheckTangent(options));
+  }
+  for (int flows = 0; flows < 2; flows++) {
+    PetscCall(
+        PetscSNPrintf(options, sizeof options,
+                      "-kinematics finite -jitter 0.2 -seed 3 -material herschel_bulkley -shear_viscosity 3 -yield %g "
+                      "-consistency 0.2 -flow_index 1.5 -formulation %s -basis cubic -dim 2 -cells 5,4",
+                      flows ? 1e-4 : 100., flows ? "usl" : "musl"));
     PetscCall(CheckTangent(options));
   }
   PetscCall(

@@ -19,6 +19,7 @@
 #include <math.h>
 
 #define MOST_STEPS 200
+#define SMALL 1e-9 /* beside g */
 
 /* A flow: from the trial values tr, d = norm(dev e) and q; to x and g. Of these: p, c, r and (Q / M)^2. */
 typedef struct {
@@ -41,18 +42,21 @@ static Flow FlowOf(const MpmMaterialNumbers *m, const PetscReal e[3], PetscReal 
   return f;
 }
 
-/* Sets x to the root for g, and what depends on both; returns the yield function. */
+/*
+   Sets x to the root for g, and what depends on both; returns the yield function. It begins at the x of the last g: after one step it comes
+   from above.
+*/
 static PetscReal Follow(Flow *f, PetscReal g)
 {
-  const PetscReal start = f->yield * exp(f->hardening * f->q), pull = -2 * f->K * f->tr - start;
+  const PetscReal start = f->yield * exp(f->hardening * f->q), most = PetscMax(-f->tr, 0);
   PetscReal       change = 1;
 
   f->g = g;
-  f->x = pull > 0 ? PetscMin(g * pull, -f->tr) : 0;
+  f->x = g > 0 ? PetscMin(PetscMax(f->x, 0), most) : 0;
   for (PetscInt i = 0; i <= MOST_STEPS; i++) {
     f->p = -f->K * (f->tr + f->x);
-    f->c = start * exp(f->hardening * f->x);
-    if (i == MOST_STEPS || fabs(change) <= 1e-17) break;
+    f->c = f->x == 0 ? start : start * exp(f->hardening * f->x);
+    if (g == 0 || i == MOST_STEPS || fabs(change) <= 1e-17 || (i > 1 && change <= 0)) break;
     change = (f->x - g * (2 * f->p - f->c)) / (1 + g * (2 * f->K + f->hardening * f->c));
     f->x -= change;
   }
@@ -86,12 +90,12 @@ static PetscReal Yield(const MpmMaterialNumbers *m, const PetscReal e[3], PetscR
   return Follow(&f, 0) / f.c;
 }
 
-static void Solve(Flow *f)
+/* Returns whether it has found the flow. Newton's method squares the error, so that the step after a small one is exact. */
+static PetscBool Solve(Flow *f)
 {
-  PetscReal low = 0, high = f->M2 / (6 * f->mu), value, R[2][5], g = 0;
+  PetscReal low = 0, high = INFINITY, value, R[2][5], g = 0, change = INFINITY;
 
-  for (PetscInt i = 0; i < MOST_STEPS && Follow(f, high) > 0; i++) high *= 2;
-  for (PetscInt i = 0; i < MOST_STEPS; i++) {
+  for (PetscInt i = 0; i < MOST_STEPS && change > SMALL * g; i++) {
     PetscReal next;
 
     value = Follow(f, g);
@@ -101,20 +105,24 @@ static void Solve(Flow *f)
       high = g;
     Differ(f, R);
     next = g - value / (R[1][0] - R[1][1] * R[0][0] / R[0][1]);
-    if (!(next > low && next < high)) next = (low + high) / 2;
-    if (fabs(next - g) <= 1e-15 * g) break;
-    g = next;
+    if (!(next > low && next < high) && !(fabs(next - g) <= SMALL * g))
+      next = isfinite(high) ? (low + high) / 2 : 2 * g + f->M2 / (6 * f->mu);
+    change = fabs(next - g);
+    g      = next;
   }
+  (void)Follow(f, g);
+  return change <= SMALL * g ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static void Back(const MpmMaterialNumbers *m, PetscReal e[3], PetscReal *q, PetscReal slope[4][4])
 {
   PetscReal dev[3], R[2][5], by[2][5] = {{0}};
-  Flow      f = FlowOf(m, e, *q, dev);
+  Flow      f     = FlowOf(m, e, *q, dev);
+  PetscBool found = PETSC_TRUE;
 
-  if (Follow(&f, 0) > 0) Solve(&f);
+  if (Follow(&f, 0) > 0) found = Solve(&f);
   for (PetscInt a = 0; a < 3; a++) e[a] = (f.tr + f.x) / 3 + f.r * dev[a];
-  *q += f.x;
+  *q = found ? *q + f.x : NAN;
   if (!slope) return;
   Differ(&f, R);
   for (PetscInt u = 2; u < 5; u++) { /* of g and x, by tr, d and q */

@@ -16,6 +16,7 @@
 #include <math.h>
 
 #define NEWTON_STEPS 60
+#define SMALL 1e-12 /* a change of g so small beside it is rounding */
 
 /* Y(q), or its slope. */
 static PetscReal YieldStress(const MpmMaterialNumbers *m, PetscReal q, PetscReal *slope)
@@ -52,7 +53,7 @@ static void Back(const MpmMaterialNumbers *m, PetscReal e[3], PetscReal *q, Pets
     change = (2 * m->mu * (norm - g) - root * Y) / (2 * m->mu + 2 * hardening / 3);
     g += change;
   }
-  *q = start + root * g;
+  *q = change <= 1e-16 * norm || fabs(change) <= SMALL * g ? start + root * g : NAN;
   for (PetscInt a = 0; a < 3; a++) {
     n[a] /= norm;
     e[a] -= g * n[a];

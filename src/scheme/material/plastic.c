@@ -179,6 +179,7 @@ static PetscBool Flow(const MpmMaterialNumbers *m, const PetscInt dim, PetscInt 
     if (!flows[p]) continue;
     any = PETSC_TRUE;
     law->back(m, e, &q, NULL);
+    if (isnan(q)) flows[p] = PETSC_FALSE;
     for (PetscInt a = 0; a < dim; a++) r[a][p] = exp(e[a] - at->e[a][p]);
     if (law->internal) F[TENSOR(dim)][p] = q;
     if (outside) outside[p] = e[2];

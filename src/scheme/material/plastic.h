@@ -1,6 +1,7 @@
 /*
    What laws that flow have in common: a law's file says how it flows along principal axes (MpmPlastic), and these functions
-   do the rest. An isotropic law flows along the principal axes of the trial value (plastic.c).
+   do the rest. An isotropic law flows along the principal axes of the trial value (plastic.c). Where back does not come to the yield
+   surface it sets q to NaN; F then stays the trial value, and the march ends (march/finite.c).
 */
 #pragma once
 #include <mpmstab/material.h>
