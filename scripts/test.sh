@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 . ./scripts/install.sh
 case ${1:-} in
 '') set -- -LE nightly ;;
---all) shift ;;
+--all) shift && test_packages="$test_packages dpkg-dev debhelper lintian mmdebstrap" ;;
 esac
 # shellcheck disable=SC2086 # a list of packages
 ./scripts/setup.sh $test_packages

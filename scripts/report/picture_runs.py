@@ -232,7 +232,8 @@ def plane_frame(scene, step, group, panels, limits):
     x = files.array(group, "particles/coordinates", OUTPUT) * cells[0] / float(scenes.each(scene, "length")[0])
     kept, where = plane.layer_of(scene, x)
     down = cells[0] > 2 * cells[1]  # a long domain has its panels one below the other
-    columns = 1 if down else min(2, len(panels))  # more would not be read on a telephone
+    tall = cells[1] > 2 * cells[0]  # panels side by side; of other domains a telephone would show no more than two in a row
+    columns = 1 if down else len(panels) if tall else min(2, len(panels))
     rows = math.ceil(len(panels) / columns)
     high = 0.7 + 5 * cells[1] / cells[0] if down else 1.1 + 2.6 * cells[1] / cells[0]
     figure = style.new_figure(0.9 + rows * high, scenes.scene_text(scene), width=max(6.4, 0.4 + 3.2 * columns))
