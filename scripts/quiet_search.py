@@ -391,9 +391,6 @@ STUDIES = {
         ("verlet", 1, 8000, {"drifts": (1 / 16, 1 / 8), "only": "flip", "basis": "linear", "least": 0.8}),
     **{f"| {step}, 1-D | {n} | {{share}} of 1,600{{largest}} |": (step, 1, 1600, {"phases": n})
        for step in ("usl", "musl", "verlet") for n in (1, 2, 4, 8)},
-    **{f"| {step}, 1-D | 8 | {{share}} of 1,600{{largest}} |": (step, 1, 1600, {"phases": 8}) for step in ("rk4", "kg5")},
-    **{f"| {step}, 2-D | {n} | {{share}} of 400{{largest}} |": (step, 2, 400, {"phases": n})
-       for step in ("usl", "verlet") for n in (1, 2, 4)},
     "rk4 grows in {share} of 2,000 scenes": ("rk4", 1, 2000, {"only": "hats"}),
     "verlet in {share}": ("verlet", 1, 2000, {"only": "hats"}),
     "aflip grows in {share} of 480 scenes": ("rk4", 1, 480, {"only": "aflip", "drifts": (0.05, 0.5)}),

@@ -5,9 +5,9 @@ import os
 import re
 
 import precision_dots
-from precision_costs import COSTS
+from precision_costs import COSTS, seconds_of
 from picture_style import save
-from precision_study import SCENES, SCHEMES, TRANSFERS, Runs, courants_of, point_of, rows_of, standing, USUAL
+from precision_study import LOUD, SCENES, SCHEMES, TRANSFERS, USUAL, Runs, courants_of, growth_of, point_of, rows_of, standing
 from program import ROOT, refuse, say, write_whole
 
 PAGE = os.path.join(ROOT, "docs", "work-precision.md")
@@ -16,6 +16,12 @@ CHECKED = ("line-rest", "line-fast")  # scenes of the table of errors, which nee
 PERIODS, CELLS = 10.37, 64
 HEAD = "scheme   transfer        k   at rest   Mach 1/10"
 SHOWN = ("flip", "apic", "fmpm")
+# Tables of more scenes, at the usual step alone: the head of a column, scene, cells and periods.
+MORE = ((("hats, Mach 1/10", "hats-fast", 64, 10.37), ("cubic splines, Mach 1/10", "cubic-fast", 64, 10.37),
+         ("disordered, at rest", "jitter-rest", 64, 10.37), ("disordered, Mach 1/100", "jitter-slow", 64, 10.37)),
+        (("2-D, Mach 1/100", "plane-slow", 24, 1.37), ("2-D, disordered, Mach 1/10", "plane-jitter", 24, 1.37),
+         ("2-D, strain up to 19 %", "finite-plane", 24, 1.37), ("2-D, Mach 1/10, 100.37 periods", "plane-fast", 24, 100.37)))
+MORE_CHECKED = (("usl", "flip"), ("verlet", "apic"))  # rows that --check computes again; --check all: each
 LOST = 10    # an error above is said to be infinite
 SAME = 0.01  # three digits are printed
 
@@ -37,6 +43,54 @@ def error_lines(runs):
                 if share == USUAL:
                     errors = errors_of(runs, scheme, transfer, f"{courant:g}")
                     yield f"{scheme:<9}{transfer:<10}{courant:>7g}{errors[0]:>10}{errors[1]:>12}"
+
+
+def more_of(runs, scene, scheme, transfer, cells, periods):
+    """Returns the row of a scheme at its usual step (implicit: k = 1) in all layouts, or None if it is refused."""
+    courants = courants_of(runs, scene, scheme, transfer)
+    courant = 1 if scheme == "implicit" else next((k for k, share in courants.items() if share == USUAL), None)
+    if not courants or courant is None:
+        return None
+    step = {**SCHEMES[scheme], **TRANSFERS[transfer], **scene.options, "courant": f"{courant:g}"}
+    row = {"scheme": scheme, "transfer": transfer, "cells": cells, "errors": [], "status": "ok"}
+    row["steps"] = math.ceil(cells * periods * scene.period / courant)
+    if math.log10(growth_of(runs, scene, step)) * row["steps"] > LOUD:
+        row["status"] = "grows"
+    else:
+        point_of(runs, scene, step, periods, cells, scene.layouts, row)
+    return row
+
+
+def more_cell(row, unit):
+    """Says the median error over the layouts, the least and the largest, and the time over that of usl with flip."""
+    if row is None or row["status"] == "refused":
+        return "-"
+    if row["status"] == "grows":
+        return "grows"
+    low, *middle, high = sorted(100 * error for error in row["errors"])
+    if high > 100 * LOST:
+        return "(lost)"
+    spread = "" if f"{low:.2g}" == f"{high:.2g}" else f" ({low:.2g} to {high:.2g})"
+    return f"{middle[0] if middle else low:.2g}{spread}; {row['seconds'] / unit:.1f}"
+
+
+def more_lines(runs, number, wanted=None):
+    """Yields a table of MORE: all of it, or the rows of these schemes with transfers."""
+    columns = MORE[number]
+    units = []
+    for _, name, cells, periods in columns:
+        scene = SCENES[name]
+        courant = next(k for k, share in courants_of(runs, scene, "usl", "flip").items() if share == USUAL)
+        row = {"scheme": "usl", "transfer": "flip", "cells": cells, "iterations": 0}
+        row["steps"] = math.ceil(cells * periods * scene.period / courant)
+        units.append(seconds_of(row, scene.options))
+    if wanted is None:
+        yield f"| | {' | '.join(head for head, *_ in columns)} |"
+        yield "|---" * (1 + len(columns)) + "|"
+    for scheme, transfer in wanted or itertools.product(SCHEMES, TRANSFERS):
+        cells = [more_cell(more_of(runs, SCENES[name], scheme, transfer, cells, periods), unit)
+                 for (_, name, cells, periods), unit in zip(columns, units)]
+        yield f"| {scheme}, {transfer} | {' | '.join(cells)} |"
 
 
 def cost_lines():
@@ -71,6 +125,8 @@ def check(folder, names):
     runs = Runs(folder)
     check_errors(runs, text)
     rows = [row for name in names for row in precision_dots.summary_rows(SCENES[name], tables_of(runs, SCENES[name]))]
+    for number in range(len(MORE)):
+        rows += more_lines(runs, number, None if names == list(SCENES_SHOWN) else MORE_CHECKED)
     for row in [*cost_lines(), *rows]:
         if row not in text.split("\n"):
             refuse(f"{PAGE}: no row '{row}'")
@@ -94,4 +150,6 @@ def make(folder, names):
         page += precision_dots.summary_rows(SCENES[name], tables)
         say(f"{name}: done")
     page += ["", *cost_lines(), "", "```", HEAD, *error_lines(runs), "```"]
+    for number in range(len(MORE)):
+        page += ["", *more_lines(runs, number)]
     write_whole(os.path.join(folder, "page.md"), "\n".join(page) + "\n")

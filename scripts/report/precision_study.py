@@ -67,9 +67,9 @@ LONG = {1.37: 0.01, 10.37: 0.03, 100.37: 0.3}
 ROUGH = {1.37: 0.15, 100.37: 0.6}  # disordered particles have errors that do not fall with the cells
 
 
-def line(title, mach, layouts=OFFSETS):
-    return Scene(title, {**LINE, **({"mach": mach} if mach else {})}, (16, 32, 64, 128), LONG if layouts == OFFSETS else ROUGH, 1.0,
-                 layouts, 32)
+def line(title, mach, layouts=OFFSETS, basis="quadratic"):
+    return Scene(title, {**LINE, "basis": basis, **({"mach": mach} if mach else {})}, (16, 32, 64, 128),
+                 LONG if layouts == OFFSETS else ROUGH, 1.0, layouts, 32)
 
 
 def plane(title, mach, layouts=OFFSETS):
@@ -81,6 +81,8 @@ SCENES = {
     "line-rest": line("1-D, at rest", None),
     "line-slow": line("1-D, Mach 1/100", "1/100"),
     "line-fast": line("1-D, Mach 1/10", "1/10"),
+    "hats-fast": line("1-D, hats, Mach 1/10", "1/10", basis="linear"),
+    "cubic-fast": line("1-D, cubic splines, Mach 1/10", "1/10", basis="cubic"),
     "jitter-rest": line("1-D, disordered, at rest", None, SEEDS),
     "jitter-slow": line("1-D, disordered, Mach 1/100", "1/100", SEEDS),
     "jitter-fast": line("1-D, disordered, Mach 1/10", "1/10", SEEDS),
