@@ -71,7 +71,7 @@ PetscErrorCode MpmKinksFind(MpmProgram *program, MpmKinks *kinks);
 
    steps, perturbations - that were run. Perturbations are random, of all unknowns, and beside the base state. After each request they
                   are scaled to their first size, so that they stay small
-   growth       - per step, over the second half of the run: the mean of the perturbations; low, high: limits around it: Student's t for 95%, and
+   growth       - per step, over the second half of the steps that were run: the mean of the perturbations; NaN: there were too few; low, high: limits around it: Student's t for 95%, and
                   what the two last quarters differ by
    factor       - by which they have grown in that half. Growth that is linear in time makes it 2
    ended        - the code had no answer to more steps
