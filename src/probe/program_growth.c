@@ -137,23 +137,31 @@ PetscErrorCode MpmProgramJudgeParticles(MpmProgram *p, PetscReal started, MpmFin
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmProgramJudgeWaves(MpmProgram *p, const PetscInt phases[], PetscReal beta[], MpmFinding *f)
+PetscErrorCode MpmProgramJudgeSources(const MpmProgram *p, const MpmSource source[2], const PetscInt phases[],
+                                      PetscReal beta[], MpmFinding *f)
 {
-  MpmProbed       one, two;
-  MpmSource       source;
   MpmSourceGrowth at, other;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgramOperator(p, &one, &two));
-  PetscCall(MpmBlocksSource(&one.blocks, p->stepper->name, &source));
-  PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, phases, beta, &at));
-  PetscCall(MpmBlocksSource(&two.blocks, p->stepper->name, &source));
-  PetscCall(MpmSourceGrowthAt(&source, beta, &other));
+  PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source[0], phases, beta, &at));
+  PetscCall(MpmSourceGrowthAt(&source[1], beta, &other));
   *f = (MpmFinding){.growth = at.growth, .tolerance = p->tolerance};
   (void)snprintf(f->evidence, sizeof f->evidence, "%s", "the symbol of the interior, sought over all waves");
   PetscCall(MpmProgramJudge(p, other.growth, at.condition, f));
-  PetscCall(MpmProbedFree(&one));
-  PetscCall(MpmProbedFree(&two));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramJudgeWaves(MpmProgram *p, const PetscInt phases[], PetscReal beta[], MpmFinding *f)
+{
+  MpmProbed probed[2];
+  MpmSource source[2];
+
+  PetscFunctionBegin;
+  PetscCall(MpmProgramOperator(p, &probed[0], &probed[1]));
+  for (int size = 0; size < 2; size++)
+    PetscCall(MpmBlocksSource(&probed[size].blocks, p->stepper->name, &source[size]));
+  PetscCall(MpmProgramJudgeSources(p, source, phases, beta, f));
+  for (int size = 0; size < 2; size++) PetscCall(MpmProbedFree(&probed[size]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

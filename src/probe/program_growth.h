@@ -21,12 +21,15 @@ typedef struct {
 PetscErrorCode MpmCarriersFind(const MpmProgram *program, const MpmSpectrum *spectrum, MpmCarriers *carriers);
 
 /*
+   MpmProgramJudgeSources - of the symbols with both sizes of perturbations: seeks the wave that grows most.
    MpmProgramJudgeWaves - of cells that are alike: probes the blocks of one, and seeks the wave that grows most.
    MpmProgramJudgeParticles - of any layout: probes the operator of all particles, and takes its spectral radius.
 
    Collective. The program must be prepared, for waves with Bloch probing. phases: at which the search begins, in each
    direction. beta: the phase of the wave. carriers: the particles that carry the mode.
 */
+PetscErrorCode MpmProgramJudgeSources(const MpmProgram *program, const MpmSource source[2], const PetscInt phases[],
+                                      PetscReal beta[], MpmFinding *finding);
 PetscErrorCode MpmProgramJudgeWaves(MpmProgram *program, const PetscInt phases[], PetscReal beta[],
                                     MpmFinding *finding);
 PetscErrorCode MpmProgramJudgeParticles(MpmProgram *program, PetscReal started, MpmFinding *finding,
