@@ -107,25 +107,17 @@ static PetscErrorCode Growth(void *context, PetscReal dt, PetscReal *growth)
 {
   Search     *s = context;
   MpmProgram *p = s->is_part ? &s->part : s->program;
-  MpmProbed   probed;
-  MpmSource   source;
 
   PetscFunctionBegin;
   if (s->known) {
     PetscCall(GrowthKnown(s, dt, growth));
-  } else {
-    PetscCall(MpmStepperSet(p->stepper, s->critical->name, dt));
-    PetscCall(MpmProgramPrepare(p));
-    if (p->kind == MPM_PROBE_BLOCH) {
-      PetscCall(MpmProgramOperator(p, &probed, NULL));
-      PetscCall(MpmBlocksSource(&probed.blocks, p->stepper->name, &source));
-      PetscCall(GrowthOfWaves(s, &source, growth));
-      PetscCall(MpmProbedFree(&probed));
-    } else
-      PetscCall(MpmProgramGrowth(p, growth));
-    PetscCall(MpmProgramForget(p));
-    s->critical->probes++;
+    PetscFunctionReturn(PETSC_SUCCESS);
   }
+  PetscCall(MpmStepperSet(p->stepper, s->critical->name, dt));
+  PetscCall(MpmProgramPrepare(p));
+  PetscCall(MpmProgramGrowth(p, growth));
+  PetscCall(MpmProgramForget(p));
+  s->critical->probes++;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
