@@ -483,7 +483,7 @@ static PetscErrorCode ListCodes(void)
                  "codes.json: %s, default %zu", name, o);
       MpmPrint("    by default: %-9s %s (%s)\n", said, here, file);
     }
-    if (ran) MpmPrint("    run here: %s\n", ran);
+    MpmPrint(ran ? "    run here: %s\n" : "    only read, not run\n", ran);
     if (scheme) MpmPrint("    limit of a lattice %s: mpmstab critical %s\n", limit, scheme);
   }
   json_decref(codes);
@@ -527,11 +527,14 @@ static const struct {
     {"scope", "what is answered", ListScope, PETSC_FALSE},
     {"codes",
      "public codes: their options, what those are here, and the file that says so; for what runs by default, the\n"
-     "largest stable c dt / h in one dimension, two particles a cell, at rest, and what prints it. A code without the "
-     "line\n"
-     "'run here' was only read. By default: its damping, its artificial or material viscosity and its time step, with "
+     "largest stable c dt / h in one dimension, two particles a cell, at rest, and what prints it. Of each code it "
+     "says "
+     "whether\n"
+     "it was run here or only read. By default: its damping, its artificial or material viscosity and its time step, "
+     "with "
      "the\n"
-     "file and the line that say so at this commit; a file without a line was searched and has none",
+     "file and the line that say so at this commit; a file without a line was searched and has none, or\n"
+     "sets the variable that is named",
      ListCodes, PETSC_TRUE}};
 
 /* A list by its name, or by its plural as in 'list formulations'. */
