@@ -23,6 +23,7 @@ ADAPTER = os.path.join(ROOT, "examples", "their-code", "taichi_mpm.py")
 H, C = 1 / 128, 20.0  # of mpm88: width of a cell, speed of sound
 OWN = {"formulation": "usl", "transfer": "apic", "gradient": "mls", "basis": "quadratic", "dim": 2, "poisson": 0.5}
 SEED, QUIET = 1e-9 * C, 1e-6 * C  # the velocity with which a run begins, and one that is not reached while it is stable
+BLOCK = 6                         # cells of the free block each way
 BREAKING = 1e-4 * C               # up to here a run is linear
 
 
@@ -77,7 +78,7 @@ def lone():
     """A lone particle on both sides of its limit, sqrt(1/2)."""
     for share in (0.999, 1.001):
         courant = share * math.sqrt(0.5)
-        found = ask("spectrum", program=code("mpm88", "f64", "lone"), program_set=f"dt={courant * H / C!r}")
+        found = ask("spectrum", program=code("mpm88", "f64"), program_scene="fill=3,4,ppc=1,offset=0.25", program_set=f"dt={courant * H / C!r}")
         yield f"| lone particle | {share} | {found['spectrum']['growth']:.5f} | {growth_of(found)} |"
 
 
@@ -91,7 +92,7 @@ def interiors(quick):
     for words, modulus in codes.items():
         if quick and "smooth" not in words:
             continue
-        found = ask("critical", program=code(*words, "interior"))
+        found = ask("critical", program=code(*words), probe="bloch")
         critical = found["critical"]
         limit, given = critical["limits"]["interior"], critical["given_dt"]
         row = [" ".join(word for word in words if word != "f64"), "double" if "f64" in words else "single", f"{limit:.4e}",
@@ -113,7 +114,7 @@ def runs(limit):
     """Runs of the free block around its limit."""
     for share in (0.995, 1.005, 1.02):
         dt = share * limit
-        found = ask("spectrum", program=code("mpm88", "f64", "block"), program_set=f"dt={dt!r}", probe="coloured")
+        found = ask("spectrum", program=code("mpm88", "f64"), program_scene="fill=2,8", program_set=f"dt={dt!r}", probe="coloured")
         yield f"| {share} | {found['spectrum']['growth']:.4f} | {march(dt)} |"
 
 
@@ -127,8 +128,13 @@ class Child:
         environment = {**os.environ, "PYTHONPATH": os.path.join(ROOT, "scripts", "python"), "PYTHONDONTWRITEBYTECODE": "1"}
         self.child = subprocess.Popen([PYTHON, ADAPTER, *words], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                       stderr=subprocess.DEVNULL, env=environment)
-        self.described = self.ask({"do": "describe"})
-        self.shape = self.described["particles"], sum(field["size"] for field in self.described["fields"])
+        described = self.ask({"do": "describe"})
+        self.shape = described.get("particles", 4 * BLOCK**2), sum(field["size"] for field in described["fields"])
+        if "particles" not in described:
+            line = (numpy.arange(2 * BLOCK) + 0.5) / 2 * H
+            place = numpy.stack(numpy.meshgrid(line, line), -1).reshape(-1, 2)
+            given = numpy.hstack([place, numpy.full((len(place), 2), H**2 / 4)])  # volumes and masses are read by nothing
+            self.ask({"do": "scene", "particles": len(place), "cell_width": H, "periodic": [None, None]}, given.tobytes())
         self.state = self.take()
 
     def ask(self, message, data=b""):
@@ -155,7 +161,7 @@ class Child:
 
 def march(dt):
     """Marches the free block from a small random velocity. The growth of its velocity, or that it does not grow."""
-    run, seen = Child("mpm88", "f64", "block"), []
+    run, seen = Child("mpm88", "f64"), []
     run.ask({"do": "set", "dt": dt})
     run.state[:, 2:4] = SEED * numpy.random.default_rng(1).uniform(-1, 1, (len(run.state), 2))
     for _ in range(2000):

@@ -2,11 +2,9 @@
 """Taichi's own examples for 'mpmstab -program': taichi_mpm.py FILE [f64] [MATERIAL] [WHAT].
 
 FILE: mpm88, mpm99 or mpm3d of taichi/examples/simulation, as pip has installed it. f64: in double precision; they are
-written for single precision. MATERIAL, of mpm99: liquid, jelly or snow. The state is a block of particles at rest in the
-middle of the grid, 2 in a cell in each direction. WHAT is another state: interior is the same one, without an answer for
-other numbers of particles, so that mpmstab asks only for the interior; block has 6 cells in each direction; lone is one
-particle; demo is the scene that the file begins with, and demo N has N of its particles. smooth: Taichi's svd
-keeps shears below 1e-5, which it drops otherwise.
+written for single precision. MATERIAL, of mpm99: liquid, jelly or snow. mpmstab chooses the particles, and they are put in the
+middle of the grid, at rest. WHAT is another state: demo is the scene that the file begins with, and demo N has N of its particles.
+smooth: Taichi's svd keeps shears below 1e-5, which it drops otherwise.
 
 The file is run as it is, without its window, but for this: dt is a number that a kernel reads, so that a new one needs no
 compilation; and without demo nothing has weight, because a block that falls is not in equilibrium.
@@ -29,7 +27,6 @@ with contextlib.redirect_stdout(sys.stderr):  # Taichi prints what it is; standa
     ti.init(arch=ti.cpu, default_fp=ti.f64 if "f64" in sys.argv else ti.f32, cpu_max_num_threads=1)
 FILE = pathlib.Path(importlib.util.find_spec("taichi").origin).parent / "examples/simulation" / f"{sys.argv[1]}.py"
 DEMO, MATERIALS = "demo" in sys.argv, ("liquid", "jelly", "snow")
-LINE = {2: 26, 3: 18}  # particles of the block in each direction
 LOADED = {}
 
 
@@ -94,13 +91,16 @@ h, c = first["dx"], first["E"] ** 0.5
 if DEMO:
     first.get("init", first.get("initialize"))()
 state = {name: field.to_numpy() for name, field in first["fields"].items()}
-if not DEMO:
-    dim, kind = state["x"].shape[1], state["x"].dtype
-    n = 1 if "lone" in sys.argv else 12 if "block" in sys.argv else LINE[dim]
-    line = (numpy.arange(n) + 0.5) / 2 + first["n_grid"] // 2 - n // 4
-    rest = {"x": numpy.stack(numpy.meshgrid(*dim * [line * h]), -1).reshape(-1, dim), "F": numpy.eye(dim), "J": 1, "Jp": 1}
-    state = {name: (numpy.zeros((len(rest["x"]), *a.shape[1:])) + rest.get(name, 0)).astype(kind) for name, a in state.items()}
+
+
+def arrange(grid, place, *_):
+    """Particles at rest at these places, by so many whole cells on that they are in the middle. All of theirs have one volume and mass."""
+    dim, kind = place.shape[1], state["x"].dtype
+    rest = {"x": place + h * (first["n_grid"] // 2 - (place.max(0) / h / 2).astype(int)), "F": numpy.eye(dim), "J": 1, "Jp": 1}
+    return {name: (numpy.zeros((len(place), *a.shape[1:])) + rest.get(name, 0)).astype(kind) for name, a in state.items()}
+
+
 says = {"x": {"place": True}, "v": {"scale": c}, "C": {"scale": c / h}, "F": {"scale": 1}, "J": {"scale": 1}, "Jp": {"scale": 1}}
 parameters = {"dt": first["given"], **{name: first[name] for name in ("E", "gravity") if name in first}}
-serve(step, state, cell_width=h, fields={name: says[name] for name in state}, parameters=parameters,
-      name=" ".join(sys.argv[1:]), any_count="interior" not in sys.argv)
+serve(step, state, cell_width=h, periodic=[None] * state["x"].shape[1], fields={name: says[name] for name in state}, parameters=parameters,
+      name=" ".join(sys.argv[1:]), scenes=None if DEMO else arrange, any_count=DEMO)

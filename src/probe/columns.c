@@ -11,8 +11,9 @@
 
 #define BETWEEN 1  /* cells between the reaches of two particles of a colour: what is felt farther is felt there, too */
 #define FELT 1e-14 /* a response below this, of the largest, is none */
-#define FELT_SINGLE 0.0 /* floats far away do not change at all */
-#define VECTORS 4       /* random ones, for a norm */
+#define FELT_SINGLE 0.0       /* floats far away do not change at all */
+#define MOST_NUMBERS 10000000 /* of states that are made at a time */
+#define VECTORS 4             /* random ones, for a norm */
 
 typedef struct {
   MpmProbe       *probe;
@@ -176,6 +177,37 @@ PetscErrorCode MpmProbeFillDiagonal(Mat A)
   for (PetscInt i = first; i < last; i++) PetscCall(MatSetValue(A, i, i, 0, ADD_VALUES));
   PetscCall(MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProbeEach(MpmProbe *p, PetscInt total, PetscInt64 most, MpmProbePerturb perturb, MpmProbeTake take,
+                            void *context)
+{
+  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD);
+  const PetscInt64  all   = p->stepper->particles * p->stepper->width;
+  const PetscInt    fit   = (PetscInt)PetscMax(1, PetscMin(p->stepper->batch / 2, MOST_NUMBERS / all));
+  MpmPerturbation  *each;
+  PetscInt         *which, j = MpmRankOf(PETSC_COMM_WORLD);
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(fit, &each, fit, &which));
+  for (PetscInt k = 0; k < fit; k++)
+    PetscCall(PetscMalloc3(most, &each[k].unknown, most, &each[k].amount, all, &each[k].response));
+  while (j < total) {
+    PetscInt m = 0;
+
+    for (; j < total && m < fit; j += ranks) {
+      which[m]  = j;
+      each[m].n = 0;
+      PetscCall(perturb(context, j, &each[m]));
+      if (each[m].n) m++;
+    }
+    PetscCall(MpmProbeRespondAll(p, PETSC_FALSE, m, each));
+    for (PetscInt k = 0; k < m; k++) PetscCall(take(context, which[k], &each[k]));
+  }
+  for (PetscInt k = 0; k < fit; k++) PetscCall(PetscFree3(each[k].unknown, each[k].amount, each[k].response));
+  PetscCall(PetscFree2(each, which));
+  PetscCall(MpmStepperAgree(p->stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -7,6 +7,17 @@
 #pragma once
 #include "probe/probe.h"
 
+/*
+   MpmProbeEach - the responses to perturbations 0 <= j < total, which the ranks share. perturb makes one of up to most unknowns,
+   or leaves it empty, so that nothing is asked; take takes its response.
+
+   Collective.
+*/
+typedef PetscErrorCode (*MpmProbePerturb)(void *context, PetscInt j, MpmPerturbation *perturbation);
+typedef PetscErrorCode (*MpmProbeTake)(void *context, PetscInt j, const MpmPerturbation *perturbation);
+PetscErrorCode MpmProbeEach(MpmProbe *probe, PetscInt total, PetscInt64 most, MpmProbePerturb perturb,
+                            MpmProbeTake take, void *context);
+
 /*S
    MpmProbeColours - how a base state is coloured.
 

@@ -30,6 +30,7 @@ extern const char *const MpmProgramLimitNames[];
    probes    - the operators that were built; calls: on the first rank
    expected  - the calls that it was going to take, about
    beta, dim - the phase of the wave that limits the interior
+   apart     - the columns of the free block where it was left out, since it would be probed at each time step; else 0
    parts     - a free block and a lone particle are sought, too
    block     - cells of the free block in each direction; site: of the lone particle with the least limit
    motion    - along which the particles are set, of which the interior alone is sought; NULL: they are at rest
@@ -41,7 +42,7 @@ typedef struct {
   PetscReal   given, limit[MPM_LIMIT_KINDS], critical, beta[MPM_MAX_DIM];
   MpmFinding  finding;
   const char *why;
-  PetscInt    probes, dim, block, site, least;
+  PetscInt    probes, dim, block, site, least, apart;
   PetscInt64  calls, expected;
   MpmMotion  *motion;
   PetscBool   parts;

@@ -1,7 +1,7 @@
 /* A code's operator as a polynomial of its time step. */
 #include "probe/dt_polynomial.h"
-#include "base/hash.h"
 #include "linalg/dense.h"
+#include "linalg/singular.h"
 #include <slepcbv.h>
 #include <math.h>
 
@@ -138,22 +138,18 @@ PetscErrorCode MpmDtPolynomialAt(const MpmDtPolynomial *f, PetscReal dt, MpmProb
 /* Adds what the operators make of random vectors to a basis, until nothing new comes. */
 static PetscErrorCode Span(PetscInt n, const MpmProbed of[], PetscReal noise, BV basis)
 {
-  PetscInt  order, size = 0, first, last;
+  PetscInt  order, size = 0;
   PetscReal all, norm   = 1;
   Vec       x, v;
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(of[0].A, &order, NULL));
   PetscCall(MatCreateVecs(of[0].A, &x, NULL));
-  PetscCall(VecGetOwnershipRange(x, &first, &last));
   while (size < order && norm > 0) {
     PetscCall(BVGetColumn(basis, size, &v));
     PetscCall(VecZeroEntries(v));
     for (PetscInt k = 0; k < n; k++) {
-      for (PetscInt i = first; i < last; i++)
-        PetscCall(VecSetValue(x, i, 2 * MpmHash(91 + n * size + k, i) - 1, INSERT_VALUES));
-      PetscCall(VecAssemblyBegin(x));
-      PetscCall(VecAssemblyEnd(x));
+      PetscCall(MpmSingularStart(91 + n * size + k, x));
       PetscCall(MatMultAdd(of[k].A, x, v, v));
     }
     PetscCall(VecNorm(v, NORM_2, &all));

@@ -1,5 +1,6 @@
 /* Bloch probing: cells that are alike, and the blocks of one of them. */
 #include "probe/lattice.h"
+#include "probe/columns.h"
 #include "base/hash.h"
 #include "probe/columns.h"
 #include <mpmstab/errors.h>

@@ -30,51 +30,27 @@ typedef struct {
 
 /* ---- the two operators ---- */
 
-static PetscInt FindDistance(const Pair *p, const PetscInt d[], PetscInt dim)
-{
-  for (PetscInt b = 0; b < p->nd; b++) {
-    PetscBool same = PETSC_TRUE;
-
-    for (PetscInt a = 0; a < dim; a++)
-      if (p->d[b * MPM_MAX_DIM + a] != d[a]) same = PETSC_FALSE;
-    if (same) return b;
-  }
-  return MPM_NONE;
-}
-
-static PetscErrorCode CollectDistances(Pair *p)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc1((p->side[0]->blocks->n + p->side[1]->blocks->n) * MPM_MAX_DIM, &p->d));
-  for (int s = 0; s < 2; s++) {
-    const MpmBlocks *b = p->side[s]->blocks;
-
-    for (PetscInt k = 0; k < b->n; k++) {
-      if (FindDistance(p, &b->d[k * b->dim], b->dim) != MPM_NONE) continue;
-      PetscCall(PetscArraycpy(&p->d[p->nd * MPM_MAX_DIM], &b->d[k * b->dim], b->dim));
-      p->nd++;
-    }
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Puts the blocks of a side where their distances are, with its sites in order. */
+/* The blocks of a side at the distances that either has, with its sites in order. */
 static PetscErrorCode Place(Pair *p, int s)
 {
-  const MpmMatchSide *side = p->side[s];
-  const MpmBlocks    *b    = side->blocks;
+  const MpmMatchSide *side     = p->side[s];
+  const MpmBlocks     both[]   = {*p->side[0]->blocks, *p->side[1]->blocks};
+  const PetscReal     weight[] = {s == 0, s == 1};
   const PetscInt      w = p->width, n = p->n;
+  MpmBlocks           all;
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1((size_t)p->nd * n * n, &p->A[s]));
-  for (PetscInt k = 0; k < b->n; k++) {
-    const PetscReal *from = b->A + (size_t)k * n * n;
-    PetscReal       *to   = p->A[s] + (size_t)FindDistance(p, &b->d[k * b->dim], b->dim) * n * n;
-
+  PetscCall(MpmBlocksCombine(2, both, weight, &all));
+  PetscCall(PetscMalloc1((size_t)all.n * n * n, &p->A[s]));
+  for (PetscInt b = 0; b < all.n; b++)
     for (PetscInt u = 0; u < n; u++)
       for (PetscInt v = 0; v < n; v++)
-        to[u * n + v] = from[(side->site[u / w] * w + u % w) * n + side->site[v / w] * w + v % w];
-  }
+        p->A[s][((size_t)b * n + u) * n + v] =
+            all.A[((size_t)b * n + side->site[u / w] * w + u % w) * n + side->site[v / w] * w + v % w];
+  p->nd = all.n;
+  if (!p->d) PetscCall(PetscMalloc1(all.n * all.dim, &p->d));
+  PetscCall(PetscArraycpy(p->d, all.d, all.n * all.dim));
+  PetscCall(MpmBlocksFree(&all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -255,7 +231,7 @@ static void ListDifferences(const Pair *p, const Way *way, PetscReal bound, MpmM
             most.other  = other;
             most.differ = PetscAbsReal(other - value);
           }
-        for (PetscInt a = 0; a < MPM_MAX_DIM; a++) most.d[a] = p->d[b * MPM_MAX_DIM + a];
+        for (PetscInt a = 0; a < one->blocks->dim; a++) most.d[a] = p->d[b * one->blocks->dim + a];
         if (most.differ > bound && m->n < MPM_DIFFERENCES) m->differences[m->n++] = most;
       }
   qsort(m->differences, (size_t)m->n, sizeof *m->differences, BySize);
@@ -343,7 +319,6 @@ PetscErrorCode MpmMatchFind(const MpmMatchSide *one, const MpmMatchSide *other, 
   *m = (MpmMatch){.fits = PETSC_FALSE};
   PetscCall(CompareFactors(one, other, m));
   if (one->width == other->width && one->width <= MPM_MATCH_WIDTH && one->nfields == other->nfields) {
-    PetscCall(CollectDistances(&p));
     for (int s = 0; s < 2; s++) PetscCall(Place(&p, s));
     TryFields(&p, 0, partner, one->blocks->dim, &best);
     m->fits = isfinite(best.differ) ? PETSC_TRUE : PETSC_FALSE;

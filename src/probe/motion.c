@@ -1,7 +1,7 @@
 /* A code in uniform motion. */
 #include "probe/motion.h"
-#include "analysis/waves.h"
 #include "linalg/small_eigen.h"
+#include "probe/program_growth.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 
@@ -182,20 +182,14 @@ PetscErrorCode MpmMotionSource(const MpmMotion *m, PetscBool other, const char n
 PetscErrorCode MpmMotionJudgeWaves(MpmProgram *p, MpmMotion *m, const PetscInt phases[], PetscReal beta[],
                                    MpmFinding *f)
 {
-  MpmBlocksSteps  steps;
-  MpmSource       source;
-  MpmSourceGrowth at, other;
+  MpmBlocksSteps steps[2];
+  MpmSource      source[2];
 
   PetscFunctionBegin;
   PetscCall(MpmMotionFind(p, m));
-  PetscCall(MpmMotionSource(m, PETSC_FALSE, p->stepper->name, &steps, &source));
-  PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, phases, beta, &at));
-  PetscCall(MpmMotionSource(m, PETSC_TRUE, p->stepper->name, &steps, &source));
-  PetscCall(MpmSourceGrowthAt(&source, beta, &other));
-  *f = (MpmFinding){.growth = at.growth, .tolerance = p->tolerance};
-  (void)snprintf(f->evidence, sizeof f->evidence,
-                 "the symbol of a period of %" PetscInt_FMT " places, sought over all waves", m->n);
-  PetscCall(MpmProgramJudge(p, other.growth, at.condition, f));
+  for (int size = 0; size < 2; size++)
+    PetscCall(MpmMotionSource(m, (PetscBool)size, p->stepper->name, &steps[size], &source[size]));
+  PetscCall(MpmProgramJudgeSources(p, source, phases, beta, f));
   PetscCall(MpmMotionForget(m));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,7 +15,6 @@
 #define SMALL_SINGLE 0.01
 #define SCALES_SIZE 7.62939453125e-06 /* of perturbations that find scales: 2^-17, and 2^-5 of floats */
 #define SCALES_SIZE_SINGLE 0.03125
-#define MOST_NUMBERS 10000000 /* of states that are made at a time */
 
 /*
    The sizes that are tried, in scales. The best is between rounding, which is the precision over the size, and curvature,
@@ -197,37 +196,6 @@ PetscErrorCode MpmProbeRespond(MpmProbe *p, PetscBool forward, PetscInt64 n, Pet
 
   PetscFunctionBegin;
   PetscCall(MpmProbeRespondAll(p, forward, 1, &one));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmProbeEach(MpmProbe *p, PetscInt total, PetscInt64 most, MpmProbePerturb perturb, MpmProbeTake take,
-                            void *context)
-{
-  const PetscMPIInt ranks = MpmRanksOf(PETSC_COMM_WORLD);
-  const PetscInt64  all   = p->stepper->particles * p->stepper->width;
-  const PetscInt    fit   = (PetscInt)PetscMax(1, PetscMin(p->stepper->batch / 2, MOST_NUMBERS / all));
-  MpmPerturbation  *each;
-  PetscInt         *which, j = MpmRankOf(PETSC_COMM_WORLD);
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc2(fit, &each, fit, &which));
-  for (PetscInt k = 0; k < fit; k++)
-    PetscCall(PetscMalloc3(most, &each[k].unknown, most, &each[k].amount, all, &each[k].response));
-  while (j < total) {
-    PetscInt m = 0;
-
-    for (; j < total && m < fit; j += ranks) {
-      which[m]  = j;
-      each[m].n = 0;
-      PetscCall(perturb(context, j, &each[m]));
-      if (each[m].n) m++;
-    }
-    PetscCall(MpmProbeRespondAll(p, PETSC_FALSE, m, each));
-    for (PetscInt k = 0; k < m; k++) PetscCall(take(context, which[k], &each[k]));
-  }
-  for (PetscInt k = 0; k < fit; k++) PetscCall(PetscFree3(each[k].unknown, each[k].amount, each[k].response));
-  PetscCall(PetscFree2(each, which));
-  PetscCall(MpmStepperAgree(p->stepper));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

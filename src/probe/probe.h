@@ -65,17 +65,6 @@ PetscErrorCode MpmProbeRespond(MpmProbe *probe, PetscBool forward, PetscInt64 n,
 PetscErrorCode MpmProbeRespondAll(MpmProbe *probe, PetscBool forward, PetscInt m, MpmPerturbation each[]);
 
 /*
-   MpmProbeEach - the responses to perturbations 0 <= j < total, which the ranks share. perturb makes one of up to most unknowns,
-   or leaves it empty, so that nothing is asked; take takes its response.
-
-   Collective.
-*/
-typedef PetscErrorCode (*MpmProbePerturb)(void *context, PetscInt j, MpmPerturbation *perturbation);
-typedef PetscErrorCode (*MpmProbeTake)(void *context, PetscInt j, const MpmPerturbation *perturbation);
-PetscErrorCode MpmProbeEach(MpmProbe *probe, PetscInt total, PetscInt64 most, MpmProbePerturb perturb,
-                            MpmProbeTake take, void *context);
-
-/*
    MpmProbeRandom - the response to a random perturbation of all unknowns that are not set apart, amount[i] = at most size, over
    size. The response of those that are is 0.
 

@@ -166,44 +166,31 @@ PetscErrorCode MpmProbedFree(MpmProbed *probed)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Adds weight e^(-i beta.d) A_d of all blocks to a matrix, real and imaginary parts one after another. */
-static void AddAt(const MpmBlocks *b, PetscReal weight, const PetscReal beta[], PetscReal sum[])
-{
-  const PetscInt square = b->size * b->size;
-
-  for (PetscInt k = 0; k < b->n; k++) {
-    const PetscReal *A     = b->A + (size_t)k * square;
-    PetscReal        angle = 0, re, im;
-
-    for (PetscInt a = 0; a < b->dim; a++) angle += beta[a] * b->d[k * b->dim + a];
-    re = weight * cos(angle);
-    im = -weight * sin(angle);
-    for (PetscInt e = 0; e < square; e++) {
-      sum[e] += re * A[e];
-      sum[square + e] += im * A[e];
-    }
-  }
-}
-
+/* The largest Frobenius norm that the symbol of the difference has at some phases. */
 static PetscErrorCode BlocksDistance(const MpmBlocks *one, const MpmBlocks *other, PetscReal *distance)
 {
-  const PetscInt numbers = 2 * one->size * one->size;
-  PetscReal     *differ, largest = 0;
+  const MpmBlocks both[] = {*one, *other};
+  PetscReal       beta[MPM_MAX_DIM];
+  double complex *differ;
+  MpmBlocks       apart;
+  MpmSource       source;
+  PetscInt        exponent;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(numbers, &differ));
+  *distance = 0;
+  PetscCall(MpmBlocksCombine(2, both, (const PetscReal[]){1, -1}, &apart));
+  PetscCall(MpmBlocksSource(&apart, "difference", &source));
+  PetscCall(PetscMalloc1(apart.size * apart.size, &differ));
   for (PetscInt i = 0; i < PHASES; i++) {
-    PetscReal beta[MPM_MAX_DIM], sum = 0;
+    PetscReal sum = 0;
 
     for (PetscInt a = 0; a < MPM_MAX_DIM; a++) beta[a] = 2 * PETSC_PI * MpmHash(3, i * MPM_MAX_DIM + a);
-    PetscCall(PetscArrayzero(differ, numbers));
-    AddAt(one, 1, beta, differ);
-    AddAt(other, -1, beta, differ);
-    for (PetscInt e = 0; e < numbers; e++) sum += PetscSqr(differ[e]);
-    largest = PetscMax(largest, sum);
+    PetscCall(MpmSourceMatrix(&source, beta, differ, &exponent));
+    for (PetscInt e = 0; e < apart.size * apart.size; e++) sum += PetscSqr(cabs(differ[e]));
+    *distance = PetscMax(*distance, sqrt(sum));
   }
-  *distance = sqrt(largest);
   PetscCall(PetscFree(differ));
+  PetscCall(MpmBlocksFree(&apart));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

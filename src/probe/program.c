@@ -1,6 +1,6 @@
 /* Starting and probing a code, and how far its operator can be trusted. */
 #include "probe/program.h"
-#include "base/hash.h"
+#include "linalg/singular.h"
 #include "probe/program_scene.h"
 #include <mpmstab/operator.h>
 #include <mpmstab/errors.h>
@@ -252,15 +252,11 @@ PetscErrorCode MpmProgramCertify(MpmProgram *p, const MpmProbed *all, const MpmP
 static PetscErrorCode SaySoFar(MpmProgram *p, Mat A)
 {
   PetscReal norm, growth = 0;
-  PetscInt  first, last;
   Vec       x[2];
 
   PetscFunctionBegin;
   PetscCall(MatCreateVecs(A, &x[0], &x[1]));
-  PetscCall(VecGetOwnershipRange(x[0], &first, &last));
-  for (PetscInt i = first; i < last; i++) PetscCall(VecSetValue(x[0], i, 2 * MpmHash(52, i) - 1, INSERT_VALUES));
-  PetscCall(VecAssemblyBegin(x[0]));
-  PetscCall(VecAssemblyEnd(x[0]));
+  PetscCall(MpmSingularStart(52, x[0]));
   for (int k = 0; k < SO_FAR; k++) {
     PetscCall(MatMult(A, x[k % 2], x[1 - k % 2]));
     PetscCall(VecNormalize(x[1 - k % 2], &norm));

@@ -137,23 +137,31 @@ PetscErrorCode MpmProgramJudgeParticles(MpmProgram *p, PetscReal started, MpmFin
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmProgramJudgeWaves(MpmProgram *p, const PetscInt phases[], PetscReal beta[], MpmFinding *f)
+PetscErrorCode MpmProgramJudgeSources(const MpmProgram *p, const MpmSource source[2], const PetscInt phases[],
+                                      PetscReal beta[], MpmFinding *f)
 {
-  MpmProbed       one, two;
-  MpmSource       source;
   MpmSourceGrowth at, other;
 
   PetscFunctionBegin;
-  PetscCall(MpmProgramOperator(p, &one, &two));
-  PetscCall(MpmBlocksSource(&one.blocks, p->stepper->name, &source));
-  PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source, phases, beta, &at));
-  PetscCall(MpmBlocksSource(&two.blocks, p->stepper->name, &source));
-  PetscCall(MpmSourceGrowthAt(&source, beta, &other));
+  PetscCall(MpmWorstPhase(PETSC_COMM_WORLD, &source[0], phases, beta, &at));
+  PetscCall(MpmSourceGrowthAt(&source[1], beta, &other));
   *f = (MpmFinding){.growth = at.growth, .tolerance = p->tolerance};
   (void)snprintf(f->evidence, sizeof f->evidence, "%s", "the symbol of the interior, sought over all waves");
   PetscCall(MpmProgramJudge(p, other.growth, at.condition, f));
-  PetscCall(MpmProbedFree(&one));
-  PetscCall(MpmProbedFree(&two));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmProgramJudgeWaves(MpmProgram *p, const PetscInt phases[], PetscReal beta[], MpmFinding *f)
+{
+  MpmProbed probed[2];
+  MpmSource source[2];
+
+  PetscFunctionBegin;
+  PetscCall(MpmProgramOperator(p, &probed[0], &probed[1]));
+  for (int size = 0; size < 2; size++)
+    PetscCall(MpmBlocksSource(&probed[size].blocks, p->stepper->name, &source[size]));
+  PetscCall(MpmProgramJudgeSources(p, source, phases, beta, f));
+  for (int size = 0; size < 2; size++) PetscCall(MpmProbedFree(&probed[size]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -279,12 +287,15 @@ PetscErrorCode MpmKinksFind(MpmProgram *p, MpmKinks *k)
 
 /* ---- growth by running: the largest Lyapunov exponent by scaling perturbations back (Benettin et al. 1980) ---- */
 
-/* state: the base and the perturbed states; sum: of the logarithms of growth in the third and the last quarter, of late steps each. */
+/*
+   state: the base and the perturbed states; kept: those before a request. log: the logarithms of growth in request i, from log[i * PERTURBATIONS]
+   on, after which done[i] steps are over; there is room for so many of the requests.
+*/
 typedef struct {
   MpmProbe  *probe;
   PetscInt64 n;
-  PetscReal *state, *kept, sum[2][PERTURBATIONS];
-  PetscInt   late[2];
+  PetscReal *state, *kept, *log;
+  PetscInt  *done, requests, room;
 } Run;
 
 /* The norm of a perturbation in scales. */
@@ -331,15 +342,23 @@ static PetscErrorCode Request(Run *r, PetscInt steps, PetscReal size, PetscReal 
 */
 static void Fit(const Run *r, PetscReal size, MpmProgramRun *run)
 {
-  const PetscReal steps = (PetscReal)(r->late[0] + r->late[1]);
-  PetscReal       mean = 0, square = 0, part[2] = {0, 0}, margin;
+  PetscReal sum[2][PERTURBATIONS] = {{0}}, late[2] = {0, 0}, mean = 0, square = 0, part[2] = {0, 0}, margin, steps;
 
+  for (PetscInt i = 0; i < r->requests; i++) {
+    const int quarter = 4 * (PetscInt64)r->done[i] > 3 * (PetscInt64)run->steps;
+
+    if (2 * (PetscInt64)r->done[i] <= run->steps) continue;
+    late[quarter] += r->done[i] - (i ? r->done[i - 1] : 0);
+    for (PetscInt k = 0; k < PERTURBATIONS; k++) sum[quarter][k] += r->log[i * PERTURBATIONS + k];
+  }
+  if (!(late[0] > 0 && late[1] > 0)) return;
+  steps = late[0] + late[1];
   for (PetscInt k = 0; k < PERTURBATIONS; k++) {
-    for (int q = 0; q < 2; q++) part[q] += r->sum[q][k] / (PetscReal)r->late[q] / PERTURBATIONS;
-    mean += (r->sum[0][k] + r->sum[1][k]) / steps / PERTURBATIONS;
+    for (int q = 0; q < 2; q++) part[q] += sum[q][k] / late[q] / PERTURBATIONS;
+    mean += (sum[0][k] + sum[1][k]) / steps / PERTURBATIONS;
   }
   for (PetscInt k = 0; k < PERTURBATIONS; k++)
-    square += PetscSqr((r->sum[0][k] + r->sum[1][k]) / steps - mean) / (PERTURBATIONS * (PERTURBATIONS - 1));
+    square += PetscSqr((sum[0][k] + sum[1][k]) / steps - mean) / (PERTURBATIONS * (PERTURBATIONS - 1));
   margin      = STUDENT * sqrt(square) + PetscAbsReal(part[1] - part[0]) + size;
   run->growth = exp(mean);
   run->low    = exp(mean - margin);
@@ -355,26 +374,29 @@ static PetscErrorCode March(Run *r, PetscInt steps, PetscReal size, MpmProgramRu
 
   PetscFunctionBegin;
   while (run->steps < steps && !run->ended) {
-    PetscReal log_of[PERTURBATIONS], most;
-    PetscBool ends;
+    PetscReal *log_of, most;
+    PetscBool  ends;
 
+    if (r->requests == r->room) {
+      r->room = 2 * r->room + REQUESTS;
+      PetscCall(PetscRealloc(sizeof *r->log * PERTURBATIONS * (size_t)r->room, &r->log));
+      PetscCall(PetscRealloc(sizeof *r->done * (size_t)r->room, &r->done));
+    }
+    log_of = r->log + r->requests * PERTURBATIONS;
     PetscCall(Request(r, each, size, log_of, &most));
     ends = s->failure[0] || !isfinite(most) ? PETSC_TRUE : PETSC_FALSE;
     if ((ends || most > log(MOST)) && each > s->steps) {
       each = PetscMax(1, each / 2 / s->steps) * s->steps;
       PetscCall(PetscArraycpy(r->state, r->kept, (PERTURBATIONS + 1) * r->n));
+      s->failure[0] = '\0'; /* fewer steps may have an answer */
       continue;
     }
     run->ended = ends;
     if (ends) break;
-    run->steps += each;
-    for (PetscInt k = 0; k < PERTURBATIONS; k++) {
-      if (2 * run->steps > steps) r->sum[4 * run->steps > 3 * steps][k] += log_of[k];
-      Scale(r, k, exp(-log_of[k]));
-    }
-    if (2 * run->steps > steps) r->late[4 * run->steps > 3 * steps] += each;
+    r->done[r->requests++] = run->steps += each;
+    for (PetscInt k = 0; k < PERTURBATIONS; k++) Scale(r, k, exp(-log_of[k]));
   }
-  if (r->late[0] && r->late[1]) Fit(r, size, run);
+  Fit(r, size, run);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -396,6 +418,8 @@ PetscErrorCode MpmProgramRunFind(MpmProgram *p, PetscInt steps, MpmProgramRun *r
     for (PetscInt k = 0; k < PERTURBATIONS; k++) Scale(&r, k, size / Norm(&r, k));
     PetscCall(March(&r, steps, size, run));
     PetscCall(PetscFree2(r.state, r.kept));
+    PetscCall(PetscFree(r.log));
+    PetscCall(PetscFree(r.done));
   }
   PetscCall(MpmStepperForgetExpected(p->stepper));
   if (run->steps) p->stepper->failure[0] = '\0'; /* what it has answered counts */

@@ -21,12 +21,15 @@ typedef struct {
 PetscErrorCode MpmCarriersFind(const MpmProgram *program, const MpmSpectrum *spectrum, MpmCarriers *carriers);
 
 /*
+   MpmProgramJudgeSources - of the symbols with both sizes of perturbations: seeks the wave that grows most.
    MpmProgramJudgeWaves - of cells that are alike: probes the blocks of one, and seeks the wave that grows most.
    MpmProgramJudgeParticles - of any layout: probes the operator of all particles, and takes its spectral radius.
 
    Collective. The program must be prepared, for waves with Bloch probing. phases: at which the search begins, in each
    direction. beta: the phase of the wave. carriers: the particles that carry the mode.
 */
+PetscErrorCode MpmProgramJudgeSources(const MpmProgram *program, const MpmSource source[2], const PetscInt phases[],
+                                      PetscReal beta[], MpmFinding *finding);
 PetscErrorCode MpmProgramJudgeWaves(MpmProgram *program, const PetscInt phases[], PetscReal beta[],
                                     MpmFinding *finding);
 PetscErrorCode MpmProgramJudgeParticles(MpmProgram *program, PetscReal started, MpmFinding *finding,
@@ -71,7 +74,7 @@ PetscErrorCode MpmKinksFind(MpmProgram *program, MpmKinks *kinks);
 
    steps, perturbations - that were run. Perturbations are random, of all unknowns, and beside the base state. After each request they
                   are scaled to their first size, so that they stay small
-   growth       - per step, over the second half of the run: the mean of the perturbations; low, high: limits around it: Student's t for 95%, and
+   growth       - per step, over the second half of the steps that were run: the mean of the perturbations; NaN: there were too few; low, high: limits around it: Student's t for 95%, and
                   what the two last quarters differ by
    factor       - by which they have grown in that half. Growth that is linear in time makes it 2
    ended        - the code had no answer to more steps

@@ -12,6 +12,11 @@ static void Limit(json_t *result, const MpmCriticalProgram *c, MpmProgramLimitKi
   const PetscReal limit     = c->limit[kind];
   char            block[32] = "";
 
+  if (kind == MPM_LIMIT_BLOCK && c->apart)
+    MpmPrint(
+        "  %-14s %-13s the step is no polynomial of %s, so that each %s that is tried would take up to %" PetscInt_FMT
+        " calls; spectrum -program_set %s=... has one\n",
+        rows[kind], "not sought", c->name, c->name, 2 * c->apart, c->name);
   if (isnan(limit)) return;
   if (isfinite(limit)) MpmResultPut(MpmResultIn(result, "limits"), MpmProgramLimitNames[kind], json_real(limit));
   if (kind == MPM_LIMIT_BLOCK) (void)snprintf(block, sizeof block, "%" PetscInt_FMT " cells each way, ", c->block);
@@ -26,7 +31,7 @@ static void Limit(json_t *result, const MpmCriticalProgram *c, MpmProgramLimitKi
 }
 
 /* What the limits do not say: the interior alone is optimistic. */
-static void PrintMissing(const MpmProgram *p, const MpmCriticalProgram *c)
+static void PrintMissing(const MpmCriticalProgram *c)
 {
   if (!isnan(c->limit[MPM_LIMIT_STATE]))
     MpmPrint(
@@ -34,9 +39,9 @@ static void PrintMissing(const MpmProgram *p, const MpmCriticalProgram *c)
         "alike and the code takes any number of particles (\"any_count\": true)\n");
   else if (c->motion)
     MpmPrint("particles at an edge, or alone, may have lower limits; they are found at rest, without a drift\n");
-  else if (!p->stepper->any_count)
+  else if (!c->parts)
     MpmPrint("particles at an edge, or alone, may have lower limits; they are found where the code takes any number of "
-             "particles (\"any_count\": true)\n");
+             "particles (\"any_count\": true), without -probe\n");
 }
 
 void MpmReportCriticalPlan(const MpmCriticalProgram *c)
@@ -63,7 +68,7 @@ PetscErrorCode MpmCriticalProgramReport(const MpmProgram *p, const MpmCriticalPr
     MpmPrint("the wave that limits the interior: beta = %s\n", MpmVectorText(c->dim, c->beta, 6, MPM_VECTOR_ROOM));
   if (c->carriers.n) MpmPrint("what limits: the %s\n", rows[c->least]);
   if (c->carriers.n) MpmReportCarriers(found, &c->carriers);
-  PrintMissing(p, c);
+  PrintMissing(c);
   MpmResultKeep(found, "%g{critical_dt} %g{given_dt} %g{seconds} %" PetscInt64_FMT "{expected_calls}", c->critical,
                 c->given, wall_s, c->expected);
   if (c->why)

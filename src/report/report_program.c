@@ -64,8 +64,7 @@ void MpmReportProgram(const MpmProgram *p)
            " direction%s, cells of %.6g; ",
            s->particles, s->width, s->dim, s->dim == 1 ? "" : "s", (double)s->cell_width);
   for (PetscInt i = 0; i < s->nparameters; i++)
-    MpmPrint("%s = %.6g%s", s->parameters[i].name, (double)s->parameters[i].value,
-             i + 1 < s->nparameters ? ", " : "\n");
+    MpmPrint("%s = %.6g%s", s->parameters[i].name, (double)s->parameters[i].now, i + 1 < s->nparameters ? ", " : "\n");
   if (!s->nparameters) MpmPrint("it names no parameters\n");
   if (p->kind == MPM_PROBE_BLOCH) {
     MpmPrint("probing: bloch, since the %s cells are alike; the unknowns of one cell are %" PetscInt_FMT,
@@ -190,14 +189,18 @@ void MpmReportRun(json_t *result, const MpmProgram *p, const MpmProgramRun *r)
   MpmPrint("%" PetscInt64_FMT " particles with %" PetscInt_FMT " numbers each\n\ngrowth per step\n", s->particles,
            s->width);
   MpmResultKeep(in, "%" PetscInt64_FMT "{calls}", s->calls);
-  MpmResultSay(in,
-               "  measured    %.7g{growth}    from %.7g{low} to %.7g{high} (95%% or more), over %" PetscInt_FMT
-               "{steps} steps of %" PetscInt_FMT "{perturbations} random perturbations\n",
-               r->growth, r->low, r->high, r->steps, r->perturbations);
-  MpmResultSay(
-      in,
-      "in the second half they have changed by a factor of %.3g{factor}; growth that is linear in time makes it 2\n",
-      r->factor);
+  if (isnan(r->growth))
+    MpmResultSay(in, "  measured    nothing, over %" PetscInt_FMT "{steps} steps, which are too few\n", r->steps);
+  else {
+    MpmResultSay(in,
+                 "  measured    %.7g{growth}    from %.7g{low} to %.7g{high} (95%% or more), over %" PetscInt_FMT
+                 "{steps} steps of %" PetscInt_FMT "{perturbations} random perturbations\n",
+                 r->growth, r->low, r->high, r->steps, r->perturbations);
+    MpmResultSay(
+        in,
+        "in the second half they have changed by a factor of %.3g{factor}; growth that is linear in time makes it 2\n",
+        r->factor);
+  }
   if (r->ended) MpmPrint("the code had no answer to more steps\n");
   MpmPrint("\n");
 }

@@ -484,7 +484,7 @@ static PetscErrorCode ListCodes(void)
                  "codes.json: %s, default %zu", name, o);
       MpmPrint("    by default: %-9s %s (%s)\n", said, here, file);
     }
-    if (ran) MpmPrint("    run here: %s\n", ran);
+    MpmPrint(ran ? "    run here: %s\n" : "    only read, not run\n", ran);
     if (scheme) MpmPrint("    limit of a lattice %s: mpmstab critical %s\n", limit, scheme);
   }
   json_decref(codes);
@@ -530,9 +530,9 @@ static const struct {
     {"codes",
      "public codes: for each option of a code, the options of this program that make the same scheme, and the\n"
      "file that says so. 'by default' has the code's damping, viscosity and time step, with file and line at this\n"
-     "commit; a file without a line was searched and has none. 'limit' is the largest stable c dt / h of what runs\n"
-     "by default, in one dimension with two particles a cell at rest, and the command that prints it. A code\n"
-     "without the line 'run here' was read and not run",
+     "commit; a file without a line was searched and has none, or sets the variable that is named. 'limit' is the\n"
+     "largest stable c dt / h of what runs by default, in one dimension with two particles a cell at rest, and the\n"
+     "command that prints it. Each code says whether it was run here, or only read",
      ListCodes, PETSC_TRUE}};
 
 /* A list by its name, or by its plural as in 'list formulations'. */

@@ -160,6 +160,7 @@ def check_mls():
     near("critical", found["critical_dt"], min(found["limits"].values()), 0)
     check(found["evaluations"] <= 20, f"{found['evaluations']} operators")
     check_calls()
+    check_no_polynomial()
     check([one["share"] for one in found["carriers"]] == [1], f"carriers: {found['carriers']}")
     lone = found["carriers"][0]["place"][0] % 1
     check(lone in (0.25, 0.75), f"the lone particle is at {lone}")
@@ -174,6 +175,15 @@ def check_calls():
         check(found["verdict"] == "stable", f"{task} {words}: {found['verdict']}, {found['evidence']}")
         if task == "critical":
             check(found["critical"]["expected_calls"] >= 0.6 * found["probing"]["calls"], f"{words}: {found['critical']}")
+
+
+def check_no_polynomial():
+    """A step that is no polynomial of dt is probed at each dt that is tried; a free block that would take minutes is left out."""
+    found = run("critical", "-program", program("program_mls.py", "2", "8", "free", "odd"), "-program_dt", "tau")
+    limits = found["critical"]["limits"]
+    check(set(limits) == {"interior", "lone_particle"} and "not sought" in run.said, f"{limits}")
+    check(found["probing"]["calls"] < 4000, f"{found['probing']['calls']} calls")
+    near("interior", limits["interior"] * (1 + 0.01 * numpy.sin(40 * limits["interior"])), 1.306373, 3e-6)
 
 
 def check_moving():

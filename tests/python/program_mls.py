@@ -62,6 +62,7 @@ def main():
             answer, data = described, state.tobytes()
         elif ask["do"] == "set":
             dt = REAL(ask["tau"])
+            dt = REAL(dt * (1 + 0.01 * np.sin(40 * dt))) if "odd" in sys.argv else dt  # no polynomial of tau
         elif ask["do"] == "step":
             n = ask.get("particles", len(x))
             given = np.frombuffer(read.read(8 * n * state.shape[1] * ask.get("states", 1)))
