@@ -104,7 +104,8 @@ def check_sand():
     first, last = steps[0]["coordinates"], steps[-1]["coordinates"]
     start, end = energy("sand-column")
     half = (first[1, 0] - first[0, 0]) / 2
-    quotes("sand-column", f"is {last[:, 1].max():.2f} m high", f"particle is {last[:, 0].max():.2f} m from",
+    speed = np.hypot(steps[-1]["v_x"], steps[-1]["v_y"]).max()
+    quotes("sand-column", f"at rest to {speed:.2f} m/s", f"is {last[:, 1].max():.2f} m high", f"particle is {last[:, 0].max():.2f} m from",
            f"{last[:, 0].max() - (first[:, 0].max() + half):.2f} times", f"within {np.quantile(last[:, 0], 0.99):.2f} m.")
     check(abs(end / start - 0.5) < 0.04, f"sand-column: {end / start} of the energy")
 
@@ -140,7 +141,7 @@ def check_swing():
     tip = (first[:, 0] - first[:, 1]).argmax()
     y = [step["coordinates"][tip, 1] for step in steps]
     lowest = int(np.argmin(y))
-    quotes("cantilever", f"falls from {y[0]:.1f} to {y[lowest]:.1f} in {steps[lowest]['time']:.2f} units", f"back at {y[-1]:.1f} after",
+    quotes("cantilever", f"falls from {y[0]:.1f} to {y[lowest]:.1f} in {steps[lowest]['time']:.1f} units", f"back at {y[-1]:.1f} after",
            f"from {start:.1f} to {end:.1f}; the lost {start - end:.1f}")
 
 
