@@ -176,6 +176,63 @@ def check_distance():
     check(off[0] < 1e-3 and off[2] < off[0] / 2.5, f"a ball by its signed distance is off by {off}")
 
 
+def check_bad_distance():
+    """What is no signed distance is refused in one line, on one rank and on two."""
+    good = np.hypot(*np.meshgrid(np.linspace(-0.5, 0.5, 11), np.linspace(-0.5, 0.5, 11), indexing="ij")) - 0.3
+    holed = good.copy()
+    holed[2, 3] = np.nan
+    bad = [("its distance has 1 dimension; allowed: as many as the scene, 2", good[0], [0, 0], 0.1),
+           ("its distance has 3 dimensions", good[None], [0, 0], 0.1),
+           ("its distance has 1 nodes along a direction", good[:1], [0, 0], 0.1),
+           ("number 25 of its distance is nan; allowed: finite numbers", holed, [0, 0], 0.1),
+           ("its distance is above 0 everywhere", good + 1, [0, 0], 0.1),
+           ("its distance is not above 0 everywhere", good - 1, [0, 0], 0.1),
+           ("its distance changes by", 100 * good, [0, 0], 0.1),
+           ("there is no array origin of 2 numbers", good, [0, 0, 0], 0.1),
+           ("there is no array spacing of 2 numbers", good, [0, 0], [0.1, 0.1, 0.1]),
+           ("spacing -0.1; allowed: finite numbers above 0", good, [0, 0], -0.1),
+           ("origin inf; allowed: finite numbers", good, [0, np.inf], 0.1),
+           ("there is no array distance", None, [0, 0], 0.1)]
+    for ranks, (says, distance, origin, spacing) in enumerate(bad):
+        with h5py.File("bad.h5", "w") as file:
+            if distance is not None:
+                file["distance"] = distance
+            file["origin"], file["spacing"] = origin, spacing
+        launch = [MPIEXEC, "-q", "-n", "2"] if ranks == 3 else []
+        done = subprocess.run([*launch, MPMSTAB, "run", *SCENE, "-courant", "0.2", "-steps", "1", "-bodies",
+                               "{shape: distance, path: bad.h5}"], capture_output=True, text=True, check=False)
+        lines = done.stderr.strip().splitlines()
+        check(done.returncode == 2 and len(lines) == 1 and f"bodies: path of body 1: bad.h5: {says}" in lines[0],
+              f"{says}: status {done.returncode}: {done.stderr}")
+
+
+def bound_of(modulus, *words):
+    """The bound of the first step in units of time. modulus: rho c^2 of the scene."""
+    run(*words, "-courant", "auto", "-steps", "1", "-json", "step.json")
+    with open("step.json", encoding="utf-8") as file:
+        return json.load(file)["run"]["courant_auto"]["decided"]["number"] / math.sqrt(modulus)
+
+
+def stiffness(young, nu):
+    return young * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+
+
+def check_bounds():
+    """The bound of bodies of several materials that do not touch is the least of theirs, each with its own Poisson's ratio."""
+    without = [word for i, word in enumerate(SCENE) if not {"-young", "-poisson", "-material", "-cells"} & {word, SCENE[max(i - 1, 0)]}]
+    without += ["-cells", "32"]
+    ball, box = "{shape: sphere, center: [0.25, 0.3], radius: 0.12", "{shape: box, center: [0.7, 0.6], size: [0.2, 0.3]"
+    solid = ["-material", "neo", "-young", "3e5", "-poisson", "0.1"]
+    for bound in ("lone", "particle"):
+        words = [*without, "-step_bound", bound]
+        one = bound_of(stiffness(3e5, 0.1), *words, *solid, "-bodies", ball + "}")
+        for bulk in ("1e5", "9e5"):
+            other = bound_of(float(bulk), *words, "-material", "tait", "-bulk", bulk, "-shear", "0", "-bodies", box + "}")
+            both = bound_of(stiffness(1e5, 0.3), *words, "-material", "sand", "-young", "1e5", "-poisson", "0.3", "-bodies",
+                           f"[{ball}, material: neo, young: 3e5, poisson: 0.1}}, {box}, material: tait, bulk: {bulk}}}]")
+            check(abs(both / min(one, other) - 1) < 1e-12, f"{bound} of both {both}, of each {one} and {other}")
+
+
 def check_watch():
     """A run with a number for courant says which steps were above the bound: none at 0.9 of it, all at 1.1 of it."""
     words = [*SCENE, "-bodies", "{shape: sphere, center: [0.5, 0.5], radius: 0.3}", "-step_bound", "particle", "-steps", "5"]
@@ -213,5 +270,7 @@ with tempfile.TemporaryDirectory() as folder:
     check_materials()
     check_tangent()
     check_distance()
+    check_bad_distance()
+    check_bounds()
     check_watch()
     check_ranks()

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Ten scenes that people know: equal by particle id on one to three ranks, and the numbers of their pages.
+"""Scenes that people know: equal by particle id on one to three ranks, and the numbers of their pages.
 
 check_scenes.py MPIEXEC MPMSTAB ranks|pages. Silent when all is well.
 """
@@ -19,7 +19,8 @@ from checks import ROOT, check, text_of
 MPIEXEC, MPMSTAB, PART = sys.argv[1:]
 # The sand slides, and snow packs: rounding grows in them.
 SCENES = {"sand-column": 1e-8, "snow-wedge": 1e-8, "dam-break": 1e-10, "bouncing-block": 1e-10, "taylor-bar": 1e-10,
-          "cantilever": 1e-10, "billet": 1e-10, "cone-in-clay": 1e-8, "clay-bank": 1e-10, "colliding-discs": 1e-10}
+          "cantilever": 1e-10, "billet": 1e-10, "cone-in-clay": 1e-8, "clay-bank": 1e-10, "colliding-discs": 1e-10,
+          "ball-in-sand": 1e-9}
 
 
 def run(name, *words, ranks=1):
@@ -103,7 +104,8 @@ def check_sand():
     first, last = steps[0]["coordinates"], steps[-1]["coordinates"]
     start, end = energy("sand-column")
     half = (first[1, 0] - first[0, 0]) / 2
-    quotes("sand-column", f"is {last[:, 1].max():.2f} m high", f"particle is {last[:, 0].max():.2f} m from",
+    speed = np.hypot(steps[-1]["v_x"], steps[-1]["v_y"]).max()
+    quotes("sand-column", f"at rest to {speed:.2f} m/s", f"is {last[:, 1].max():.2f} m high", f"particle is {last[:, 0].max():.2f} m from",
            f"{last[:, 0].max() - (first[:, 0].max() + half):.2f} times", f"within {np.quantile(last[:, 0], 0.99):.2f} m.")
     check(abs(end / start - 0.5) < 0.04, f"sand-column: {end / start} of the energy")
 
@@ -126,6 +128,12 @@ def check_energies():
     quotes("colliding-discs", f"is {1e3 * start:.3f}e-3 until", f"{1e3 * end:.3f}e-3 at the end", f"is {100 * end / start:.1f}%")
 
 
+def check_ball():
+    last = run("ball-in-sand", "-json", "ball-in-sand.json")[-1]
+    start, end = energy("ball-in-sand")
+    quotes("ball-in-sand", f"comes back with {last['v_y'][last['material'] == 1].mean():.2f} m/s", f"{100 * end / start:.1f} % of the energy")
+
+
 def check_swing():
     steps = run("cantilever", "-output_interval", "0.01", "-json", "cantilever.json")
     start, end = energy("cantilever")
@@ -133,7 +141,7 @@ def check_swing():
     tip = (first[:, 0] - first[:, 1]).argmax()
     y = [step["coordinates"][tip, 1] for step in steps]
     lowest = int(np.argmin(y))
-    quotes("cantilever", f"falls from {y[0]:.1f} to {y[lowest]:.1f} in {steps[lowest]['time']:.2f} units", f"back at {y[-1]:.1f} after",
+    quotes("cantilever", f"falls from {y[0]:.1f} to {y[lowest]:.1f} in {steps[lowest]['time']:.1f} units", f"back at {y[-1]:.1f} after",
            f"from {start:.1f} to {end:.1f}; the lost {start - end:.1f}")
 
 
@@ -151,3 +159,4 @@ with tempfile.TemporaryDirectory() as folder:
         check_dam()
         check_energies()
         check_swing()
+        check_ball()

@@ -4,7 +4,6 @@
 */
 #include "scheme/material/laws.h"
 #include "scheme/material/several.h"
-#include <math.h>
 #include <string.h>
 
 /* Whether a material's law has the internal variable of its name, or e_out. */
@@ -46,10 +45,12 @@ static PetscInt ComponentOf(const MpmMaterials *all, PetscInt i, PetscInt dim, P
   return TENSOR(dim) + (c == TENSOR(dim) && HasInternal(all->of[i].law) ? all->slot[i] : all->ninternal);
 }
 
-/* The number of the material of a particle, the last of its components. */
+/* The number of the material of a particle, the last of its components. A checkpoint that was made by hand may hold any. */
 static PetscInt NumberOf(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal *const F[], PetscInt p)
 {
-  return (PetscInt)lrint(F[MpmMaterialComponents(m, dim) - 1][p]);
+  const PetscReal number = F[MpmMaterialComponents(m, dim) - 1][p];
+
+  return number >= 0.5 ? (PetscInt)PetscMin(number + 0.5, m->several->n - 1) : 0;
 }
 
 const MpmMaterialNumbers *MpmMaterialAt(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal *const F[],
