@@ -79,6 +79,7 @@ typedef struct {
    before    - before[a][c]: the number of particles before cell c along direction a
    has       - whether the file has volumes, masses, young, poisson and fixed
    unused    - the names of columns that nothing reads
+   density   - the least and the largest mass over volume, over the scene's density
    of_bodies - of how many bodies they are; 0: they are not of the option bodies, which is path then
    velocity  - of particles of bodies along each direction, in units of c; else NULL
    material, materials - of particles of bodies of several materials, and these materials; NULL: all are of the scene's
@@ -88,7 +89,7 @@ S*/
 typedef struct {
   char       path[1024], unused[256];
   PetscInt64 particles, *before[MPM_MAX_DIM];
-  PetscReal *column[MPM_GIVEN_COLUMNS], *property[MPM_PROPERTIES];
+  PetscReal *column[MPM_GIVEN_COLUMNS], *property[MPM_PROPERTIES], density[2];
   PetscBool  has[MPM_GIVEN_SAID], random, of_steps;
   PetscInt   of_bodies;
   PetscReal *velocity[MPM_MAX_DIM];

@@ -19,7 +19,6 @@ typedef enum { MPM_BOUND_LONE = 1, MPM_BOUND_PARTICLE = 2, MPM_BOUND_LANCZOS = 4
    lone     - as if each particle were alone: 0 where one has a slope at a node that it gives no mass to
    particle - with the nodal masses split between particles as V_p abs(grad S_ip); swept: the best after further sweeps
    lanczos  - by products with a random vector: it is above the limit with a probability of chance at most
-   estimate - by the largest Ritz value of the same products: it is above the limit
    lone_at, particle_at - the particle that decides, and its place in cells; value: NULL, or by id room for lambda of each
               particle, of which a rank sets its own
    nodes    - the nodal unknowns
@@ -39,7 +38,7 @@ typedef struct {
 
 typedef struct {
   const char *why_not;
-  PetscReal   factor, lone, particle, swept, lanczos, estimate, chance;
+  PetscReal   factor, lone, particle, swept, lanczos, chance;
   MpmDecider  lone_at, particle_at;
   PetscInt64  nodes, seed;
   PetscInt    products, sweeps, kinds;

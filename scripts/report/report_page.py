@@ -49,6 +49,17 @@ def by_layout(found):
     return f" Largest k by layout, particles at rest: {', '.join(rows)}. Recommended: {step} ({escaped(advice['reason'])})."
 
 
+def layout_of(result):
+    """The layout that a limit is of, in words."""
+    if "layout" in result:
+        return f"layout {escaped(result['layout'])}"
+    values = {"offset": 0.5, **result}
+    parts = [f"{name} {','.join(format(one, '.6g') for one in each(values[name]))}" for name in ("ppc", "counts", "offset")
+             if name in values]
+    jitter = result.get("jitter", 0)
+    return ", ".join([f"layout, jitter {jitter:.6g}" if jitter else "lattice", *parts])
+
+
 def which_step(entry):
     answer = entry["answers"]["critical"]
     if not answer.done:
@@ -63,13 +74,14 @@ def which_step(entry):
     elif worst == "bulk" and not found.get("threshold", True):
         said = f"0: growth fades as k does and falls below the tolerance only at k = {number(limit, '.3g')}{has}."
     else:
-        said = f"Courant number k = c dt / h up to {number(limit, '.6g')}{has}."
+        of = layout_of(result) if worst == "bulk" else f"neighbourhood {escaped(worst)}"
+        said = f"Courant number k = c dt / h up to {number(limit, '.6g')} ({of}){has}."
         if "critical_dt" in found:
             has = f"; the scene has {number(result['dt'], '.6g')}" if "dt" in result else ""
             said += f" In the scene's units that is dt up to {number(found['critical_dt'], '.6g')}{has}."
     if worst != "bulk":
         inside = found["neighbourhoods"].get("bulk", {}).get("critical_courant")
-        inside = f" Inside the body the limit is {number(inside, '.6g')}." if inside is not None else ""
+        inside = f" Inside the body ({layout_of(result)}) the limit is {number(inside, '.6g')}." if inside is not None else ""
         return (f"{said} This is the limit of the neighbourhood '{escaped(worst)}', the worst of those asked."
                 f"{inside}{by_layout(found)}")
     beta = found.get("limited_by_beta")

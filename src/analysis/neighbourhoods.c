@@ -9,6 +9,7 @@
 
 #define SHORT 8   /* so many times fewer moves has the search of a table */
 #define FEW 4     /* layouts that it moves */
+#define EVEN 4    /* cells of a large box in three dimensions: waves of two cells fit into it */
 #define MANY 16   /* particles a cell of the random layouts of a table */
 #define SAME 1e-6 /* relative difference of limits that come of searches, which may be a little off */
 
@@ -151,7 +152,10 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
   static const PetscInt moves[MPM_MAX_DIM] = {200, 100, 30};
   const PetscBool       disordered         = one->kind == MPM_DISORDERED ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool       worst              = one->kind == MPM_AT_WORST ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool       stays              = MpmGrowthStays(of->layout, of->scheme, &of->step);
+  const PetscBool       large              = of->layout->dim == 3 && disordered && stays ? PETSC_TRUE : PETSC_FALSE;
   MpmRandomLayouts      layouts            = {.n       = worst && request->table ? FEW : request->layouts,
+                                              .cells   = large ? EVEN : 0,
                                               .seed    = of->layout->seed,
                                               .voids   = disordered ? 0 : request->voids,
                                               .scatter = disordered || worst ? PETSC_TRUE : PETSC_FALSE,
@@ -161,7 +165,7 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
 
   PetscFunctionBegin;
   if (!HasOperator(of, one)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (worst && !MpmGrowthStays(of->layout, of->scheme, &of->step)) {
+  if (worst && !stays) {
     one->why_not =
         "the search needs that layouts stay unstable beyond their limits, which is not proved of this scheme";
     PetscFunctionReturn(PETSC_SUCCESS);
@@ -170,6 +174,7 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
   one->courant     = layouts.courant;
   one->growth      = layouts.growth;
   one->layouts     = layouts.n;
+  one->cells       = layouts.cells;
   one->unstable    = layouts.unstable;
   one->undecided   = layouts.undecided;
   one->worst_seed  = layouts.worst;

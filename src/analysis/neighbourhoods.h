@@ -21,6 +21,7 @@
    closed   - the limit is that of a closed form
    why_not  - says why courant is undecided; else NULL
    layouts, unstable, undecided - of neighbourhoods random and disordered; unstable and undecided at the scene's own Courant number
+   cells    - of the box of random layouts, in each direction
    worst_seed - the seed of the layout with the least limit, or with the largest growth where no limit was asked for
    quantile - of disordered: as of MpmRandomLayouts
    evaluations, seconds - what the search took
@@ -34,7 +35,7 @@ typedef struct {
   MpmWaveType          wave;
   PetscBool            approached, closed, inside, fades;
   const char          *why_not;
-  PetscInt             layouts, unstable, undecided, places, depth;
+  PetscInt             layouts, cells, unstable, undecided, places, depth;
   PetscInt64           worst_seed, evaluations;
   MpmCriticalWindows   windows;
 } MpmNeighbourhood;

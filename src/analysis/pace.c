@@ -22,7 +22,7 @@
    scripts/step_moved.py measured what the limit falls to meanwhile.
 */
 #define LOOK(basis) ((basis)->hat ? 0.05 : 0.25)
-#define LIFE(basis) ((basis)->hat ? 1 : 4)
+#define LIFE(basis) ((basis)->hat ? 2 : 4)
 #define FALLS 0.9
 #define FADES 1.05
 #define SAME_LEVEL 1e-9 /* levels: rounding, which differs between ranks, does not choose among steps */
@@ -459,6 +459,7 @@ PetscErrorCode MpmPaceStep(MpmPace *pace, MpmMarch *march, PetscInt64 *last)
   if (pace->reason != MPM_PACE_END) {
     pace->least   = PetscMin(pace->least, courant);
     pace->largest = PetscMax(pace->largest, courant);
+    pace->sum += courant;
   }
   pace->taken[pace->reason]++;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -66,7 +66,7 @@ typedef struct {
    expected        - the number of steps, about
    fastest, motion - the largest speeds of waves and of particles at the last step, over c
    reason          - of the last step
-   least, largest  - Courant numbers of steps; those that the end of the run shortens do not count
+   least, largest, sum - of the Courant numbers of steps; those that the end of the run shortens do not count
    changes         - how often the step has changed
    taken[reason]   - the number of steps for each reason
    told            - the step that was printed last
@@ -76,7 +76,7 @@ typedef struct {
   const char   *why_not;
   MpmStepBound  by;
   MpmDecider    at;
-  PetscReal    *moduli, number, chance, end, expected, fastest, motion, least, largest, told;
+  PetscReal    *moduli, number, chance, end, expected, fastest, motion, least, largest, sum, told;
   MpmPaceReason reason;
 
   MpmNeighbourhoodKind where;

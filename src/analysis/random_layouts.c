@@ -23,9 +23,12 @@
 #define HALVINGS 10
 #define MOST_WEIGHTS (MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH)
 
-const PetscInt MpmQuantiles[MPM_QUANTILES] = {5, 50, 95};
+PetscInt MpmRankOfQuantile(PetscInt quantile, PetscInt n)
+{
+  static const PetscInt percent[MPM_QUANTILES] = {5, 50, 95};
 
-const PetscInt MpmRandomBox[MPM_MAX_DIM] = {24, 6, 3};
+  return (percent[quantile] * n + 99) / 100;
+}
 
 typedef struct {
   const MpmCriticalCase *of;
@@ -57,7 +60,7 @@ static PetscErrorCode BoxOf(const Search *s, PetscInt i, MpmLayout *to)
   l.sites = 1;
   if (l.jitter == 0) l.jitter = 1;
   for (PetscInt a = 0; a < l.dim; a++) {
-    const PetscInt cells = MpmRandomBox[l.dim - 1];
+    const PetscInt cells = s->asked->cells;
 
     l.grid[a]  = (MpmDirection){.cells = cells, .nodes = cells, .ends = {MPM_PERIODIC, MPM_PERIODIC}};
     l.first[a] = 0;
@@ -448,7 +451,7 @@ static PetscErrorCode FindLimits(Search *s)
   if (asked->write && *asked->write && isfinite(asked->courant)) PetscCall(Write(s));
   PetscCall(PetscSortReal(asked->n, s->growth));
   for (PetscInt q = 0; q < MPM_QUANTILES && asked->scatter; q++)
-    asked->quantile[q] = s->growth[(MpmQuantiles[q] * asked->n + 99) / 100 - 1];
+    asked->quantile[q] = s->growth[MpmRankOfQuantile(q, asked->n) - 1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -485,13 +488,15 @@ static PetscErrorCode FindGrowth(Search *s)
 
 PetscErrorCode MpmRandomLayoutsFind(const MpmCriticalCase *of, MpmRandomLayouts *asked)
 {
-  Search        s = {.of = of, .asked = asked};
-  MpmNodalPlan *plan;
+  static const PetscInt box[MPM_MAX_DIM] = {24, 6, 3};
+  Search                s                = {.of = of, .asked = asked};
+  MpmNodalPlan         *plan;
 
   PetscFunctionBegin;
   PetscCall(MpmNodalPlanCreate(of->scheme->table, NULL, &plan));
-  s.plan          = plan;
-  asked->growth   = 0;
+  s.plan        = plan;
+  asked->growth = 0;
+  if (!asked->cells) asked->cells = box[of->layout->dim - 1];
   asked->courant  = NAN;
   asked->worst    = asked->seed;
   asked->unstable = asked->undecided = 0;

@@ -3,13 +3,12 @@
 #include <mpmstab/critical.h>
 
 #define MPM_QUANTILES 3 /* 5, 50 and 95 % */
-extern const PetscInt MpmQuantiles[MPM_QUANTILES];
-extern const PetscInt MpmRandomBox[MPM_MAX_DIM]; /* cells of the box along each direction, by dimension */
 
 /*S
    MpmRandomLayouts - what is asked of n layouts, and what was found.
 
    n, seed - the number of layouts; layout i is hashed from seed + i
+   cells   - of the box, in each direction; 0 becomes 24 in one dimension, 6 in two, 3 in three
    voids   - the share of sites without a particle
    scatter - every second layout has its particles anywhere in the box, as layout random has them
    moves   - so many times a particle of each layout is moved, or taken away, where this makes its limit smaller
@@ -22,11 +21,11 @@ extern const PetscInt MpmRandomBox[MPM_MAX_DIM]; /* cells of the box along each 
    worst   - the seed of the layout with the least limit, or else of that with the largest growth
    evaluations - the number of times that growth was computed, on all ranks
    windows - as of MpmCritical: where some layout grows below courant
-   quantile - the limits below which a share MPM_QUANTILES of layouts has its own, by rank; NaN: not known or not asked for
+   quantile - in order of their limits, that of layout number MpmRankOfQuantile; NaN: not known or not asked for
    fades   - there is no threshold: growth fades with the Courant number, and courant is 0
 S*/
 typedef struct {
-  PetscInt    n;
+  PetscInt    n, cells;
   PetscInt64  seed;
   PetscReal   voids;
   PetscInt    moves;
@@ -40,9 +39,11 @@ typedef struct {
   MpmCriticalWindows windows;
 } MpmRandomLayouts;
 
+/* Not collective. Of n layouts the one that a quantile is of: a share of 5, 50 or 95 % is up to it, counted from 1. */
+PetscInt MpmRankOfQuantile(PetscInt quantile, PetscInt n);
+
 /*
-   MpmRandomLayoutsFind - growth and limits of layouts in a small periodic box: 24 cells in one dimension, 6 x 6 in two,
-   3 x 3 x 3 in three.
+   MpmRandomLayoutsFind - growth and limits of layouts in a small periodic box.
 
    Collective on PETSC_COMM_WORLD. Each layout is solved by one rank alone (see farm.h), so that nothing depends on the
    number of ranks.

@@ -379,7 +379,8 @@ static PetscErrorCode Decide(Pass *s, PetscReal *most, MpmDecider *at)
 
   PetscFunctionBegin;
   *most = 0;
-  for (PetscInt p = 0; p < march->particles->count; p++) *most = fmax(*most, s->value[p]);
+  for (PetscInt p = 0; p < march->particles->count; p++)
+    if (s->value[p] > *most) *most = s->value[p]; /* fmax is a call here */
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, 1, MPIU_REAL, MPI_MAX, comm));
   for (PetscInt p = 0; at->value && p < march->particles->count; p++) at->value[id[p]] = s->value[p];
   at->id = PETSC_MAX_INT;
@@ -428,7 +429,8 @@ static PetscErrorCode FindByParticle(Pass *s, MpmStepBounds *b)
     most = 0;
     while (MpmStencilsNext(&s->at)) {
       Values(s, PETSC_FALSE, b->sweeps || b->particle_at.value ? 0 : most * (1 - 2 * SAME));
-      for (PetscInt q = 0; q < s->at.n; q++) most = fmax(most, s->value[s->at.begin + q]);
+      for (PetscInt q = 0; q < s->at.n; q++)
+        if (s->value[s->at.begin + q] > most) most = s->value[s->at.begin + q];
     }
     PetscCall(Decide(s, &most, sweep ? &at : &b->particle_at));
     if (!sweep) b->particle = b->swept = b->factor / sqrt(most);
@@ -477,7 +479,7 @@ static void PlaceCloud(Pass *s, PetscInt begin, PetscInt n, Products *k)
 }
 
 /* The stresses of particles, made of the slopes of their velocities. */
-static void Stress(const Pass *s, PetscInt begin, PetscInt n, PetscReal product[])
+INLINE void Stress(const PetscInt dim, const Pass *s, PetscInt begin, PetscInt n, PetscReal product[])
 {
   for (PetscInt p = 0; p < n; p++) {
     const PetscReal modulus = s->stiffness[begin + p] * Of(s->volume, begin + p);
@@ -486,12 +488,12 @@ static void Stress(const Pass *s, PetscInt begin, PetscInt n, PetscReal product[
 
     for (PetscInt c = 0; c <= MPM_MAX_DIM; c++) at[c] = product + LANES * (MPM_CLOUD * c + p);
     for (PetscInt k = 0; k < LANES; k++) at[0][k] = 0;
-    for (PetscInt k = 0; k < s->dim; k++) {
-      for (PetscInt b = 0; b < s->dim; b++) L[k][b] = at[1 + b][k];
+    for (PetscInt k = 0; k < dim; k++) {
+      for (PetscInt b = 0; b < dim; b++) L[k][b] = at[1 + b][k];
       trace += L[k][k];
     }
-    for (PetscInt k = 0; k < s->dim; k++)
-      for (PetscInt b = 0; b < s->dim; b++)
+    for (PetscInt k = 0; k < dim; k++)
+      for (PetscInt b = 0; b < dim; b++)
         at[1 + b][k] = modulus * (m.mu * (L[k][b] + L[b][k]) + (k == b ? m.lambda * trace : 0));
   }
 }
@@ -545,7 +547,9 @@ static PetscErrorCode Multiply(Pass *s, Products *k, const PetscReal x[], PetscR
 
     PlaceCloud(s, begin, n, k);
     k->gather(&k->cloud, k->node + LANES * grid->origin, k->product);
-    Stress(s, begin, n, k->product);
+    s->dim == 1   ? Stress(1, s, begin, n, k->product)
+    : s->dim == 2 ? Stress(2, s, begin, n, k->product)
+                  : Stress(3, s, begin, n, k->product);
     k->spread(&k->cloud, k->force + LANES * grid->origin, k->product);
   }
   for (PetscInt c = 0; c < s->dim; c++) {
@@ -612,7 +616,7 @@ static PetscReal LogPolynomial(PetscInt k, const PetscReal alpha[], const PetscR
   return sum;
 }
 
-/* The largest t with log p_k(t) = log_value; -infinite: the largest Ritz value. */
+/* The largest t with log p_k(t) = log_value. */
 static PetscReal Invert(PetscInt k, const PetscReal alpha[], const PetscReal beta[], PetscReal log_value)
 {
   PetscReal lo = 0, hi = 0;
@@ -663,7 +667,6 @@ static PetscErrorCode FindByLanczos(Pass *s, MpmStepBounds *b)
   b->nodes    = n;
   b->products = k;
   b->lanczos  = b->factor / sqrt(Invert(k, alpha, beta, 0.5 * log(2 * (PetscReal)n / PETSC_PI) - log(b->chance)));
-  b->estimate = b->factor / sqrt(Invert(k, alpha, beta, -INFINITY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -78,14 +78,20 @@ PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[]);
 PetscErrorCode MpmReportUnits(const MpmScene *scene, const MpmRequest *request);
 
 /*
+   Not collective. The layout that an answer is of, in words, without walls and materials. What a map varies is said to vary.
+*/
+PetscErrorCode MpmReportLayout(const MpmScene *scene, const MpmRequest *request, size_t room, char text[]);
+
+/*
    MpmReportLimit - prints a limit of the Courant number as the largest time step, in the scene's unit of time. A second
    line has the scene's own time step over the limit, if one was given. Where it grows this line also says growth per step at
    the scene's own Courant number; NaN: it is not known.
 
    Collective. Prints nothing of scenes that are not in physical units, nor of a limit that is undecided (NaN). courant
-   may be 0 or infinite, as in MpmCritical. windows: there are windows of growth below the limit.
+   may be 0 or infinite, as in MpmCritical. windows: there are windows of growth below the limit. of: its layout.
 */
-void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth, PetscBool windows);
+void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth, PetscBool windows,
+                    const char of[]);
 
 /*
    Keeps windows of growth and how many Courant numbers were looked at, and prints those below a limit, each in a line
@@ -107,12 +113,14 @@ void MpmReportPredictions(json_t *result, const MpmPredictor *predictor, const M
 void MpmReportComparison(json_t *result, const MpmPredictor *predictor, const MpmComparison *comparison);
 
 /*
-   MpmReportFinding - verdict, margin and evidence. condition: that of the eigenvalue on which the verdict rests; NaN for
-   none. MpmResultFinding keeps them without a word. MpmResultSymbol keeps phases and growth of a symbol as 'symbol'.
+   MpmReportFinding - verdict, margin and evidence. scene: that of the layout, which stands beside the verdict; NULL: there
+   is none. condition: that of the eigenvalue on which the verdict rests; NaN for none. MpmResultFinding keeps them without a
+   word. MpmResultSymbol keeps phases and growth of a symbol as 'symbol'.
 */
-void MpmReportFinding(json_t *result, const MpmFinding *finding, PetscReal condition);
-void MpmResultFinding(json_t *result, const MpmFinding *finding);
-void MpmResultSymbol(json_t *result, const MpmSymbol *symbol);
+PetscErrorCode MpmReportFinding(json_t *result, const MpmScene *scene, const MpmRequest *request,
+                                const MpmFinding *finding, PetscReal condition);
+void           MpmResultFinding(json_t *result, const MpmFinding *finding);
+void           MpmResultSymbol(json_t *result, const MpmSymbol *symbol);
 
 /*
    MpmVectorText - numbers of the directions as text, with so many digits: the number itself in one dimension, else (x, y).

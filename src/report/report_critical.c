@@ -64,39 +64,15 @@ static PetscErrorCode Drift(const MpmScene *s, const MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The layout that a limit is of. Walls and materials stand in the heading. */
-static PetscErrorCode LayoutText(const MpmScene *s, size_t room, char text[])
+static PetscErrorCode Limit(json_t *result, const MpmScene *s, const MpmRequest *request, const MpmCritical *c)
 {
-  const MpmLayout *l = &s->layout;
-  char             ppc[64], offset[64], part[64];
-
-  PetscFunctionBegin;
-  PetscCall(FieldText(s, "ppc", PETSC_TRUE, sizeof ppc, ppc));
-  PetscCall(FieldText(s, "offset", PETSC_TRUE, sizeof offset, offset));
-  if (l->given)
-    (void)snprintf(text, room, "layout %s", l->name);
-  else if (l->counts.n > 1)
-    (void)snprintf(text, room, "layout with the counts of the heading, offset %s", offset);
-  else
-    (void)snprintf(text, room, "%s, ppc %s, offset %s", MpmLayoutIsUniform(l) ? "lattice" : "layout", ppc, offset);
-  if (l->jitter != 0) {
-    (void)snprintf(part, sizeof part, ", jitter %.6g, seed %" PetscInt64_FMT, l->jitter, l->seed);
-    MpmTextJoin(text, part, room);
-  } else if (l->given && l->given->random) {
-    (void)snprintf(part, sizeof part, ", seed %" PetscInt64_FMT, l->seed);
-    MpmTextJoin(text, part, room);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Limit(json_t *result, const MpmScene *s, PetscReal tolerance, const MpmCritical *c)
-{
-  const char *name =
+  const PetscReal tolerance = request->tolerance;
+  const char     *name =
       MpmSceneDrifts(s) ? "largest Courant number with growth within tolerance" : "critical Courant number";
   char layout[MPM_COUNTS_TEXT];
 
   PetscFunctionBegin;
-  PetscCall(LayoutText(s, sizeof layout, layout));
+  PetscCall(MpmReportLayout(s, request, sizeof layout, layout));
   if (c->too_large)
     MpmPrint("%s: not sought, since there are too many unknowns to find all eigenvalues (at most %d)", name,
              MPM_DENSE_MANY);
@@ -362,7 +338,7 @@ PetscErrorCode MpmCriticalReport(const MpmScene *s, const MpmRequest *request, c
   if (MpmSceneIsPhysical(s)) MpmResultKeep(critical, "%g{critical_dt}", MpmSceneTimeStep(s, courant));
   if (c) {
     MpmPrint("\n");
-    PetscCall(Limit(critical, s, request->tolerance, c));
+    PetscCall(Limit(critical, s, request, c));
     Bulk(critical, s->layout.dim, c);
     Bounds(critical, s, c);
     PrintReason(s->layout.dim, request, c);
@@ -375,17 +351,19 @@ PetscErrorCode MpmCriticalReport(const MpmScene *s, const MpmRequest *request, c
   }
   if (MpmSceneHasStep(s)) MpmResultFinding(result, finding);
   if (all)
-    MpmNeighbourhoodsReport(critical, s, request, PETSC_TRUE, all);
+    MpmNeighbourhoodsReport(critical, s, request, PETSC_TRUE, table ? PETSC_TRUE : PETSC_FALSE, all);
   else if (MpmSceneHasStep(s))
-    MpmReportFinding(result, finding, NAN);
+    PetscCall(MpmReportFinding(result, s, request, finding, NAN));
   if (c) PrintSearch(s, c);
-  PetscCall(LayoutText(s, sizeof lattice, lattice));
+  PetscCall(MpmReportLayout(s, request, sizeof lattice, lattice));
   if (table) MpmStepTableReport(critical, s, request, lattice, table);
+  if (request->no_table) MpmPrint("no table of largest steps by layout: %s\n", request->no_table);
   for (PetscInt i = 0; all && i < all->n; i++)
     if (all->of[i].kind != MPM_IN_BULK) seconds += all->of[i].seconds;
   MpmPrint("time: %.3g s\n", seconds);
   MpmReportLimit(s, request->tolerance, courant, finding->growth,
-                 all ? MpmNeighbourhoodsHaveWindows(all) : (PetscBool)(c->windows.n > 0));
+                 all ? MpmNeighbourhoodsHaveWindows(all) : (PetscBool)(c->windows.n > 0),
+                 all && all->least != MPM_NONE ? MpmNeighbourhoodSubject(all->of[all->least].kind) : lattice);
   PetscCall(MpmResultEnd(request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -98,7 +98,7 @@ PetscErrorCode MpmCriticalMachReport(const MpmScene *s, const MpmRequest *reques
     PrintTimeStep(s, s->step.courant);
     MpmPrint(": growth %.9g per step\n", c->asked.growth);
     MpmReportQuiet(critical, &c->theorem);
-    MpmReportFinding(result, &c->asked, NAN);
+    PetscCall(MpmReportFinding(result, s, request, &c->asked, NAN));
   }
   MpmPrint("time: %.3g s\n", c->seconds);
   PetscCall(MpmResultEnd(request, wall_s, &result));

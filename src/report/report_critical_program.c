@@ -80,7 +80,7 @@ PetscErrorCode MpmCriticalProgramReport(const MpmProgram *p, const MpmCriticalPr
                "%" PetscInt_FMT "{evaluations} operators were built, with %" PetscInt64_FMT
                " calls on the first rank\n\nat %s = %.7g\n",
                c->probes, c->calls, c->name, (double)c->given);
-  MpmReportFinding(result, &c->finding, NAN);
+  PetscCall(MpmReportFinding(result, NULL, NULL, &c->finding, NAN));
   PetscCall(MpmResultEnd(p->request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

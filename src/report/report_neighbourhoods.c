@@ -76,14 +76,14 @@ static void DisorderedText(const MpmScene *s, const MpmNeighbourhood *one, size_
   const PetscBool scattered = (one->worst_seed - s->layout.seed) % 2 ? PETSC_TRUE : PETSC_FALSE;
   char            part[96]  = "";
 
-  text[0] = '\0';
-  if (!isnan(one->quantile[0])) {
-    (void)snprintf(part, sizeof part, "5, 50, 95%% of layouts up to %.4g, %.4g, %.4g; ", one->quantile[0],
-                   one->quantile[1], one->quantile[2]);
+  (void)snprintf(text, room, "of %" PetscInt_FMT " random layouts", one->layouts);
+  for (PetscInt q = 0; q < MPM_QUANTILES && !isnan(one->quantile[0]); q++) {
+    (void)snprintf(part, sizeof part, "%s number %" PetscInt_FMT " has %.4g", q ? "," : ", in order of their limits,",
+                   MpmRankOfQuantile(q, one->layouts), one->quantile[q]);
     MpmTextJoin(text, part, room);
   }
-  (void)snprintf(part, sizeof part, "the worst of %" PetscInt_FMT " layouts, -cells %" PetscInt_FMT, one->layouts,
-                 MpmRandomBox[s->layout.dim - 1]);
+  (void)snprintf(part, sizeof part, "%s the worst: -cells %" PetscInt_FMT, isnan(one->quantile[0]) ? "" : ";",
+                 one->cells);
   MpmTextJoin(text, part, room);
   if (scattered)
     (void)snprintf(part, sizeof part, " -layout random -seed %" PetscInt64_FMT, one->worst_seed);
@@ -93,18 +93,18 @@ static void DisorderedText(const MpmScene *s, const MpmNeighbourhood *one, size_
   MpmTextJoin(text, part, room);
   (void)snprintf(part, sizeof part, "; %" PetscInt_FMT " grow at %.6g", one->unstable, s->step.courant);
   if (MpmSceneHasStep(s)) MpmTextJoin(text, part, room);
+  if (one->cells % 2) MpmTextJoin(text, "; waves of 2 cells, which limit lattices, do not fit into 3 cells", room);
 }
 
 /* How many layouts were searched, and where the worst is. */
-static void WorstText(const MpmScene *s, const MpmRequest *request, const MpmNeighbourhood *one, size_t room,
-                      char text[])
+static void WorstText(const MpmRequest *request, const MpmNeighbourhood *one, size_t room, char text[])
 {
   char part[128];
 
   (void)snprintf(text, room, "the least that moving and taking away particles found from %" PetscInt_FMT " layouts",
                  one->layouts);
-  (void)snprintf(part, sizeof part, "; -cells %" PetscInt_FMT " -cell_width 1 -layout %.80s",
-                 MpmRandomBox[s->layout.dim - 1], request->write_layout);
+  (void)snprintf(part, sizeof part, "; -cells %" PetscInt_FMT " -cell_width 1 -layout %.80s", one->cells,
+                 request->write_layout);
   MpmTextJoin(text, request->write_layout[0] ? part : " (-write_layout FILE writes it)", room);
 }
 
@@ -119,7 +119,7 @@ static void ReasonText(const MpmScene *s, const MpmRequest *request, const MpmNe
   else if (one->kind == MPM_AT_RANDOM)
     RandomText(s, request, one, room, text);
   else if (one->kind == MPM_AT_WORST)
-    WorstText(s, request, one, room, text);
+    WorstText(request, one, room, text);
   else if (one->kind == MPM_DISORDERED)
     DisorderedText(s, one, room, text);
   else if (isinf(one->courant))
@@ -167,8 +167,7 @@ static void PrintLine(const MpmScene *s, const MpmRequest *request, PetscBool li
   MpmPrint("%s%s\n", reason[0] ? " " : "", reason);
 }
 
-/* The neighbourhood as the subject of a sentence. */
-static const char *Subject(MpmNeighbourhoodKind kind)
+const char *MpmNeighbourhoodSubject(MpmNeighbourhoodKind kind)
 {
   static const char *const said[] = {[MPM_IN_BULK]    = "the bulk",
                                      [MPM_AT_EDGE]    = "an edge",
@@ -199,7 +198,7 @@ static void PrintLeast(const MpmScene *s, const MpmRequest *request, const MpmNe
 
   if (isnan(all->courant)) {
     MpmPrint("the worst of them: undecided");
-    if (least) MpmPrint(", of those that are known %s has the least limit", Subject(least->kind));
+    if (least) MpmPrint(", of those that are known %s has the least limit", MpmNeighbourhoodSubject(least->kind));
     MpmPrint("\n");
     return;
   }
@@ -208,7 +207,8 @@ static void PrintLeast(const MpmScene *s, const MpmRequest *request, const MpmNe
              MpmNeighbourhoodsHaveWindows(all) ? ", but for windows of growth" : "");
     return;
   }
-  MpmPrint("the worst of them: %s limits the Courant number to %.6g", Subject(least->kind), all->courant);
+  MpmPrint("the worst of them: %s limits the Courant number to %.6g", MpmNeighbourhoodSubject(least->kind),
+           all->courant);
   if (MpmSceneIsPhysical(s)) MpmPrint(", the time step to %.6g", MpmSceneTimeStep(s, all->courant));
   ReasonText(s, request, least, sizeof reason, reason);
   MpmPrint(" (%s)%s\n", reason, MpmNeighbourhoodsHaveWindows(all) ? ", with windows of growth below it" : "");
@@ -221,7 +221,8 @@ static void PrintVerdict(const MpmScene *s, const MpmNeighbourhoods *all)
 
   MpmPrint("\nverdict: %s", MpmVerdictNames[f->verdict]);
   if (f->verdict == MPM_UNSTABLE && all->fastest != MPM_NONE) {
-    MpmPrint(", at Courant number %.6g %s grows ", s->step.courant, Subject(all->of[all->fastest].kind));
+    MpmPrint(", at Courant number %.6g %s grows ", s->step.courant,
+             MpmNeighbourhoodSubject(all->of[all->fastest].kind));
     if (isinf(f->growth))
       MpmPrint("without bound\n");
     else
@@ -257,38 +258,52 @@ static void Keep(json_t *result, const MpmScene *s, PetscBool limits, const MpmN
   MpmResultKeep(result, "%" PetscInt64_FMT "{evaluations} %g{seconds}", one->evaluations, one->seconds);
 }
 
-void MpmNeighbourhoodsReport(json_t *result, const MpmScene *s, const MpmRequest *request, PetscBool limits,
-                             const MpmNeighbourhoods *all)
+/* What xi means, where one of n lines has a place. */
+static void PrintPlaces(PetscInt dim, PetscInt n, const MpmNeighbourhood of[])
 {
-  const PetscInt worst  = !limits ? all->fastest : isnan(all->courant) ? MPM_NONE : all->least;
-  PetscBool      places = PETSC_FALSE;
+  PetscInt i = 0;
 
-  MpmPrint("\n%-*s %-11s%s reason\n", Width(request), "where", limits ? "limit" : "growth",
-           limits && MpmSceneIsPhysical(s) ? " time step   " : "");
+  while (i < n && !Has(dim, of[i].place)) i++;
+  if (i < n) MpmPrint("xi is the place in a cell, 0 on its left node and 1 on its right\n");
+}
+
+/* Whether the table of steps says all of it. */
+static PetscBool IsInTable(const MpmNeighbourhood *one)
+{
+  return one->kind != MPM_AT_RANDOM && one->kind != MPM_AT_CORNER && !one->windows.looked ? PETSC_TRUE : PETSC_FALSE;
+}
+
+void MpmNeighbourhoodsReport(json_t *result, const MpmScene *s, const MpmRequest *request, PetscBool limits,
+                             PetscBool table, const MpmNeighbourhoods *all)
+{
+  const PetscInt worst = !limits ? all->fastest : isnan(all->courant) ? MPM_NONE : all->least;
+  PetscInt       lines = 0;
+
   for (PetscInt i = 0; i < all->n; i++) {
     const MpmNeighbourhood *one = &all->of[i];
     json_t                 *its = MpmResultIn(MpmResultIn(result, "neighbourhoods"), MpmNeighbourhoodNames[one->kind]);
 
-    PrintLine(s, request, limits, one);
     Keep(its, s, limits, one);
+    if (table && IsInTable(one)) continue;
+    if (!lines++)
+      MpmPrint("\n%-*s %-11s%s reason\n", Width(request), "where", limits ? "limit" : "growth",
+               limits && MpmSceneIsPhysical(s) ? " time step   " : "");
+    PrintLine(s, request, limits, one);
     MpmReportWindows(its, Width(request) + 1, limits ? one->courant : 0, &one->windows);
-    if (Has(s->layout.dim, one->place)) places = PETSC_TRUE;
   }
   if (worst != MPM_NONE)
     MpmResultPut(result, limits ? "limited_by_neighbourhood" : "worst_neighbourhood",
                  json_string(MpmNeighbourhoodNames[all->of[worst].kind]));
-  if (places) MpmPrint("xi is the place in a cell, 0 on its left node and 1 on its right\n");
+  if (!table) PrintPlaces(s->layout.dim, all->n, all->of);
   if (MpmSceneDrifts(s))
     MpmPrint(request->neighbourhood[MPM_IN_BULK]
                  ? "the bulk is under the scene's drift, the others are of particles at rest\n"
                  : "these are of particles at rest, whatever the scene's drift is\n");
-  if (all->bound > 0)
-    MpmResultSay(
-        result,
-        "no layout of such particles at rest grows up to the Courant number %.6g{any_layout}, so none is worse "
-        "than that\n",
-        all->bound);
-  if (limits) PrintLeast(s, request, all);
+  if (all->bound > 0) MpmResultKeep(result, "%g{any_layout}", all->bound);
+  if (all->bound > 0 && !table)
+    MpmPrint("no layout of such particles at rest grows up to the Courant number %.6g, so none is worse than that\n",
+             all->bound);
+  if (limits && !table) PrintLeast(s, request, all);
   if (MpmSceneHasStep(s) || !limits) PrintVerdict(s, all);
 }
 
@@ -306,7 +321,8 @@ static void RowText(const MpmScene *s, const MpmRequest *request, const char lat
 
   ReasonText(s, request, row, sizeof reason, reason);
   if (t->left_out[i])
-    (void)snprintf(text, room, "not computed: -neighbourhood %s", MpmNeighbourhoodNames[row->kind]);
+    (void)snprintf(text, room, "not computed, since it takes long%s: -neighbourhood %s",
+                   s->scheme.formulation->quiet ? " with this formulation" : "", MpmNeighbourhoodNames[row->kind]);
   else if (row->kind == MPM_AT_WORST && !row->why_not && t->of != i)
     (void)snprintf(text, room, "%s; a short search came to %.4g, -neighbourhood worst searches longer",
                    row_names[t->of], row->courant);
@@ -380,6 +396,7 @@ void MpmStepTableReport(json_t *result, const MpmScene *s, const MpmRequest *req
         "  %-11s at this step the lattice grows by a factor of %.6g per step if it moves by 1/%d cell per step: it "
         "rings (docs/ringing.md)\n",
         "moving", t->moving, MPM_CRITICAL_DRIFT);
+  PrintPlaces(s->layout.dim, MPM_TABLE_ROWS, t->row);
   if (t->falls)
     MpmPrint("limit 0: a particle without neighbours that comes close to a node gives it a force but almost no mass "
              "(chi = 0 "

@@ -95,6 +95,25 @@ static PetscBool HasGravity(const MpmScene *s)
   return s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
+#define SAME_DENSITY 1e-3 /* relative */
+
+/* The particles of a file, and where their masses over volumes are not the density that the speed of waves is made of. */
+static void PrintGiven(const MpmScene *s)
+{
+  const MpmGiven *given   = s->layout.given;
+  const PetscReal density = s->density > 0 ? s->density : 1;
+  char            text[512];
+
+  MpmGivenText(given, sizeof text, text);
+  MpmPrint("%s\n", text);
+  if (given->of_bodies || (given->density[0] > 1 - SAME_DENSITY && given->density[1] < 1 + SAME_DENSITY)) return;
+  MpmPrint("note: mass over volume of the particles is from %.6g to %.6g, but the density of the scene is %.6g%s, and "
+           "c dt / h has "
+           "the wave speed c of that density\n",
+           given->density[0] * density, given->density[1] * density, density,
+           s->density > 0 ? "" : ", since none was given");
+}
+
 /* Describes layout and material where they are not the default. */
 static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *request)
 {
@@ -103,12 +122,9 @@ static PetscErrorCode PrintDifferences(const MpmScene *s, const MpmRequest *requ
   PetscFunctionBegin;
   if (s->layout.counts.n > 1)
     PetscCall(PrintFields(s, request, "particles in cells: {counts}, repeated; {particles} in all\n"));
-  else if (s->layout.given) {
-    char text[512];
-
-    MpmGivenText(s->layout.given, sizeof text, text);
-    MpmPrint("%s\n", text);
-  } else if (!MpmSceneIsFull(s))
+  else if (s->layout.given)
+    PrintGiven(s);
+  else if (!MpmSceneIsFull(s))
     PrintFilled(&s->layout);
   if (s->scheme.space.finite) {
     PetscCall(PrintFields(s, request, "finite deformation, material {material}, from the stretch {stretch}"));
@@ -370,8 +386,51 @@ void MpmResultFinding(json_t *result, const MpmFinding *f)
                 MpmVerdictNames[f->verdict], f->growth, f->tolerance, f->uncertainty, f->evidence);
 }
 
-void MpmReportFinding(json_t *result, const MpmFinding *f, PetscReal condition)
+/* A field of the layout, as a heading has it. */
+static PetscErrorCode JoinField(const MpmScene *s, const MpmRequest *request, const char name[], size_t room,
+                                char text[])
 {
+  MpmValue value;
+  char     number[MPM_COUNTS_TEXT];
+
+  PetscFunctionBegin;
+  PetscCall(MpmValueOf(name, s, request, &value));
+  PetscCall(MpmValueHeading(&value, sizeof number, number));
+  MpmTextJoin(text, ", ", room);
+  MpmTextJoin(text, name, room);
+  MpmTextJoin(text, " ", room);
+  MpmTextJoin(text, IsVaried(request, name) ? "varied" : number, room);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportLayout(const MpmScene *s, const MpmRequest *request, size_t room, char text[])
+{
+  const MpmLayout *l        = &s->layout;
+  const PetscBool  random   = l->jitter != 0 || IsVaried(request, "jitter") ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool  ensemble = !strcmp(request->task, "ensemble") ? PETSC_TRUE : PETSC_FALSE;
+
+  PetscFunctionBegin;
+  if (l->given)
+    (void)snprintf(text, room, "layout %s", l->name);
+  else
+    (void)snprintf(text, room, "%s", ensemble ? "layouts" : random || !MpmLayoutIsUniform(l) ? "layout" : "lattice");
+  if (!l->given && l->counts.n > 1)
+    MpmTextJoin(text, " with the counts of the heading", room);
+  else if (!l->given)
+    PetscCall(JoinField(s, request, "ppc", room, text));
+  if (!l->given) PetscCall(JoinField(s, request, "offset", room, text));
+  if (!l->given && !MpmSceneIsFull(s)) MpmTextJoin(text, ", in a part of the grid", room);
+  if (random) PetscCall(JoinField(s, request, "jitter", room, text));
+  if ((random || (l->given && l->given->random)) && !ensemble) PetscCall(JoinField(s, request, "seed", room, text));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmReportFinding(json_t *result, const MpmScene *scene, const MpmRequest *request, const MpmFinding *f,
+                                PetscReal condition)
+{
+  char layout[MPM_COUNTS_TEXT];
+
+  PetscFunctionBegin;
   MpmResultFinding(result, f);
   MpmPrint("\nverdict: %s", MpmVerdictNames[f->verdict]);
   if (isinf(f->growth))
@@ -387,7 +446,12 @@ void MpmReportFinding(json_t *result, const MpmFinding *f, PetscReal condition)
     MpmPrint("; the operator is not what the march does");
   else if (f->verdict == MPM_UNDECIDED && f->growth <= 1 + f->tolerance && f->defective_error > f->tolerance)
     MpmPrint("; rounding may hide growth of %.1g per step", f->defective_error);
+  if (scene) {
+    PetscCall(MpmReportLayout(scene, request, sizeof layout, layout));
+    MpmPrint("; %s", layout);
+  }
   MpmPrint("\nevidence: %s\n", f->evidence);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 void MpmResultSymbol(json_t *result, const MpmSymbol *symbol)
@@ -478,18 +542,19 @@ void MpmReportWindows(json_t *result, PetscInt blanks, PetscReal courant, const 
              (int)blanks, "", windows->n ? "" : "below that there is no growth; ", windows->looked);
 }
 
-void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth, PetscBool windows)
+void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal courant, PetscReal growth, PetscBool windows,
+                    const char of[])
 {
   const PetscReal   limit = MpmSceneTimeStep(scene, courant), ratio = scene->step.courant / courant;
   const char *const name = MpmSceneDrifts(scene) ? "largest dt with growth within tolerance" : "largest stable dt";
 
   if (!MpmSceneIsPhysical(scene) || isnan(courant)) return;
   if (isinf(courant)) {
-    MpmPrint("%s: none up to %.6g is unstable%s\n", name, MpmSceneTimeStep(scene, MPM_CRITICAL_TO),
-             windows ? ", but for windows of growth" : "");
+    MpmPrint("%s: none up to %.6g is unstable%s; %s\n", name, MpmSceneTimeStep(scene, MPM_CRITICAL_TO),
+             windows ? ", but for windows of growth" : "", of);
     return;
   }
-  MpmPrint("%s: %.6g%s\n", name, limit, windows ? ", with windows of growth below it" : "");
+  MpmPrint("%s: %.6g%s; %s\n", name, limit, windows ? ", with windows of growth below it" : "", of);
   if (!MpmSceneHasStep(scene)) return;
   if (courant == 0)
     MpmPrint("dt %.6g is beyond it", scene->dt);

@@ -20,12 +20,15 @@ void MpmReportQuiet(json_t *result, const MpmCritical *critical);
 
 /*
    MpmNeighbourhoodsReport - a line for each neighbourhood, with its limit or else its growth, the worst of them and the
-   verdict. limits: the worst is the one with the least limit, else the one with the largest growth.
+   verdict. limits: the worst is the one with the least limit, else the one with the largest growth. table: a table of steps
+   follows; what stands there is not printed.
 
    Collective.
 */
 void MpmNeighbourhoodsReport(json_t *result, const MpmScene *scene, const MpmRequest *request, PetscBool limits,
-                             const MpmNeighbourhoods *all);
+                             PetscBool table, const MpmNeighbourhoods *all);
+/* Not collective. The neighbourhood as the subject of a sentence. */
+const char *MpmNeighbourhoodSubject(MpmNeighbourhoodKind kind);
 
 /* Collective. A table of steps by layout, and the step that is recommended. lattice: the scene's layout in words. */
 void MpmStepTableReport(json_t *result, const MpmScene *scene, const MpmRequest *request, const char lattice[],

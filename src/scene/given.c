@@ -13,6 +13,7 @@
 #include "scene/layout.h"
 #include "scene/material.h"
 #include "scene/settings.h"
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,6 +68,13 @@ typedef struct {
 
 /* ---- lines ---- */
 
+static PetscBool IsText(const char line[])
+{
+  for (; *line; line++)
+    if (iscntrl((unsigned char)*line) && !strchr("\r\n\t", *line)) return PETSC_FALSE;
+  return PETSC_TRUE;
+}
+
 /* Takes the next line without its end; false at the end of the file, or where something is wrong with the line. */
 static PetscBool NextLine(Reader *r)
 {
@@ -75,7 +83,7 @@ static PetscBool NextLine(Reader *r)
   if (!fgets(r->text, sizeof r->text, r->stream)) return PETSC_FALSE;
   r->line++;
   length = strlen(r->text);
-  if (length == 0 || (r->text[length - 1] != '\n' && !feof(r->stream))) {
+  if (length == 0 || (r->text[length - 1] != '\n' && !feof(r->stream)) || (r->line == 1 && !IsText(r->text))) {
     Why(r, "line %" PetscInt64_FMT ": not text, or longer than %d characters; allowed: a CSV file", r->line, LONGEST);
     return PETSC_FALSE;
   }
@@ -132,6 +140,7 @@ static void ReadHeader(Reader *r)
     name += strspn(name, " \t\"");
     name[strcspn(name, " \t\"")] = '\0';
     column                       = ColumnOf(name);
+    if (column == POISSON && r->dim == 1) column = IGNORED; /* young is the stiffness of a bar */
     if (r->columns == MOST_COLUMNS || (column != IGNORED && has[column])) {
       Why(r, "line 1: %s; allowed: each column once, at most %d",
           r->columns == MOST_COLUMNS ? "too many columns" : "a column twice", MOST_COLUMNS);
@@ -482,6 +491,13 @@ static PetscErrorCode Weigh(MpmScene *scene)
             (!p[MPM_STIFFNESS] || isnormal(p[MPM_STIFFNESS][id])),
         "layout %s: %s: mass, volume or young is out of range beside the scene's density, cells and wave speed",
         given->path, Where(given, id, where));
+  }
+  given->density[0] = INFINITY;
+  for (PetscInt64 id = 0; id < given->particles; id++) {
+    const PetscReal density = given->property[MPM_MASS][id] / given->property[MPM_VOLUME][id];
+
+    given->density[0] = fmin(given->density[0], density);
+    given->density[1] = fmax(given->density[1], density);
   }
   for (PetscInt c = VOLUME; c < KNOWN; c++) PetscCall(PetscFree(given->column[c]));
   PetscFunctionReturn(PETSC_SUCCESS);

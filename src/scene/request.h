@@ -139,6 +139,7 @@ typedef struct {
   PetscInt        step_bound_sweeps;
   PetscBool       weights, source_term, ringing, measure, nodal, nodal_asked, survey, refine, damping, verbose;
   PetscBool       neighbourhood[MPM_NEIGHBOURHOODS], table;
+  const char     *no_table;
   PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
   PetscInt        program_period, program_run;
   PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];

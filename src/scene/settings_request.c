@@ -38,19 +38,27 @@ static PetscBool FillsSpace(const MpmScene *scene)
 }
 
 /*
-   Whether the default answer of critical has a table of steps by layout: for lattices at rest with a scheme of the
-   program, whose searches are quick.
+   The default answer of critical has a table of steps by layout for lattices at rest with a scheme of the program, whose
+   searches are quick. Of such lattices it says why there is none.
 */
-static PetscBool HasTable(const MpmScene *scene)
+static const char *WhyNoTable(const MpmScheme *scheme)
 {
-  const MpmScheme *scheme = &scene->scheme;
+  if (MpmTableSolves(scheme->table)) return "the searches for other layouts are for steps without a linear system";
+  if (scheme->formulation->written) return "it is made for the schemes of the program";
+  if (MpmSpaceIsDamped(&scheme->space)) return "it is made for schemes without damping and viscosity";
+  if (MpmSpaceIsPrestressed(&scheme->space)) return "a particle with nothing around it holds no prestress";
+  return NULL;
+}
+
+static void AskTable(const MpmScene *scene, MpmRequest *request)
+{
   const MpmLayout *layout = &scene->layout;
 
-  return MpmLayoutIsUniform(layout) && layout->counts.n == 1 && layout->cluster[1] - layout->cluster[0] >= 1 &&
-                 !MpmSceneDrifts(scene) && !MpmTableSolves(scheme->table) && !scheme->formulation->written &&
-                 !MpmSpaceIsDamped(&scheme->space) && !MpmSpaceIsPrestressed(&scheme->space)
-             ? PETSC_TRUE
-             : PETSC_FALSE;
+  if (request->survey || request->at_mach || !MpmLayoutIsUniform(layout) || layout->counts.n > 1 ||
+      layout->cluster[1] - layout->cluster[0] < 1 || MpmSceneDrifts(scene))
+    return;
+  request->no_table = WhyNoTable(&scene->scheme);
+  request->table    = request->no_table ? PETSC_FALSE : PETSC_TRUE;
 }
 
 /*
@@ -78,8 +86,7 @@ static PetscErrorCode ReadNeighbourhoods(const MpmSettings *settings, const MpmS
   PetscFunctionBegin;
   if ((critical || Is(request, "spectrum")) && MpmSettingsGiven(settings, "neighbourhood"))
     PetscCall(MpmSettingsWords(settings, "neighbourhood", MPM_NEIGHBOURHOODS + 1, &n, word));
-  request->table =
-      critical && !n && !request->survey && !request->at_mach && HasTable(scene) ? PETSC_TRUE : PETSC_FALSE;
+  if (critical && !n) AskTable(scene, request);
   if (!n)
     n = Default(scene, critical && !request->survey && !request->at_mach && FillsSpace(scene), request->table, word);
   for (PetscInt i = 0; i < n; i++) Take(word[i], scene, request);

@@ -139,7 +139,7 @@ static PetscErrorCode OfState(States *states, const MpmRequest *request, PetscIn
   PetscCall(MpmSpectrumOfMatrix(p->stepper->name, A, p->probe.steps, MpmProgramLattice(p), request, started, &s));
   PetscCall(MpmProgramJudgeSpectrum(p, B, s));
   PetscCall(MpmCarriersFind(p, s, &carriers));
-  MpmSpectrumReport(one, NULL, request, s, NULL);
+  PetscCall(MpmSpectrumReport(one, NULL, request, s, NULL));
   MpmReportCarriers(one, &carriers);
   MpmResultKeep(one, "%" PetscInt64_FMT "{probing.calls}", p->stepper->calls); /* with those that eigenvalues took */
   if (request->compare[0]) PetscCall(Compare(p, &compare, one));
@@ -191,7 +191,7 @@ static PetscErrorCode Measure(const MpmRequest *request, PetscReal started, Pets
   PetscCall(MpmProgramRunFind(&program, request->program_run, &run, &finding));
   PetscCall(MpmResultOfFile(request, NULL, &result));
   MpmReportRun(result, &program, &run);
-  MpmReportFinding(result, &finding, NAN);
+  PetscCall(MpmReportFinding(result, NULL, NULL, &finding, NAN));
   PetscCall(MpmResultEnd(request, MPI_Wtime() - started, &result));
   PetscCall(MpmExpectFinding(&request->expect, &finding, missed));
   PetscCall(MpmProgramClose(&program));

@@ -163,7 +163,7 @@ static PetscErrorCode Report(const MpmRequest *request, Answer *a, PetscReal wal
   MpmResultVector(result, "refined.beta_at_max", b->dim, a->beta);
   if (request->compare[0]) MpmReportCompare(MpmResultIn(result, "comparison"), &a->program, &a->compare);
   MpmPrint("\n");
-  MpmReportFinding(result, &a->finding, a->worst.condition);
+  PetscCall(MpmReportFinding(result, NULL, NULL, &a->finding, a->worst.condition));
   if (probed && !a->motion.n && MpmCertificatesSwitch(&a->program.certificates)) {
     PetscCall(MpmKinksFind(&a->program, &kinks));
     MpmReportKinks(result, &kinks);

@@ -69,8 +69,8 @@ PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, P
 
    Collective.
 */
-void MpmSpectrumReport(json_t *result, const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *spectrum,
-                       const MpmNeighbourhoods *all);
+PetscErrorCode MpmSpectrumReport(json_t *result, const MpmScene *scene, const MpmRequest *request,
+                                 const MpmSpectrum *spectrum, const MpmNeighbourhoods *all);
 PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *spectrum);
 
 /*

@@ -5,27 +5,28 @@
 #include "task/task.h"
 #include <math.h>
 
-static void PrintVerdict(const MpmEnsemble *e)
+static void PrintVerdict(const MpmEnsemble *e, const char layout[])
 {
   MpmPrint("\nverdict: %s", MpmVerdictNames[e->finding.verdict]);
   if (e->unstable)
-    MpmPrint(", %" PetscInt_FMT " of %" PetscInt_FMT " layouts grow beyond 1 + %.6g\n", e->unstable, e->n,
+    MpmPrint(", %" PetscInt_FMT " of %" PetscInt_FMT " layouts grow beyond 1 + %.6g", e->unstable, e->n,
              e->request->tolerance);
   else if (e->undecided)
-    MpmPrint(", rounding or the solver leaves %" PetscInt_FMT " of %" PetscInt_FMT " layouts open\n", e->undecided,
-             e->n);
+    MpmPrint(", rounding or the solver leaves %" PetscInt_FMT " of %" PetscInt_FMT " layouts open", e->undecided, e->n);
   else
-    MpmPrint(", none of %" PetscInt_FMT " layouts grows; of all there are at most %.4g%% do, with 95%% confidence\n",
+    MpmPrint(", none of %" PetscInt_FMT " layouts grows; of all there are at most %.4g%% do, with 95%% confidence",
              e->n, 100 * e->interval[1]);
-  MpmPrint("evidence: %s\n", e->finding.evidence);
+  MpmPrint("; %s\nevidence: %s\n", layout, e->finding.evidence);
 }
 
 static PetscErrorCode Report(const MpmEnsemble *e, PetscReal wall_s)
 {
   json_t *result, *found;
+  char    layout[MPM_COUNTS_TEXT];
 
   PetscFunctionBegin;
   PetscCall(MpmResultOfScene(e->scene, e->request, &result));
+  PetscCall(MpmReportLayout(e->scene, e->request, sizeof layout, layout));
   found = MpmResultIn(result, "ensemble");
   MpmResultFinding(result, &e->finding);
   MpmResultKeep(found, "%g{share} %g{tolerance} %g{seconds}", e->share, e->request->tolerance, e->seconds);
@@ -34,8 +35,8 @@ static PetscErrorCode Report(const MpmEnsemble *e, PetscReal wall_s)
                e->n, e->scene->layout.seed, e->scene->layout.seed + e->n - 1);
   MpmResultSay(found, "unstable   %" PetscInt_FMT "{unstable}\nundecided  %" PetscInt_FMT "{undecided}\n", e->unstable,
                e->undecided);
-  MpmPrint("share      %.4g%%, with 95%% confidence from %.4g%% to %.4g%% (Wilson)\n", 100 * e->share,
-           100 * e->interval[0], 100 * e->interval[1]);
+  MpmPrint("share      %.4g%%, with 95%% confidence from %.4g%% to %.4g%% (Wilson); %s\n", 100 * e->share,
+           100 * e->interval[0], 100 * e->interval[1], layout);
   if (isnan(e->growth_max))
     MpmPrint("growth     of no layout is known\n");
   else
@@ -43,7 +44,7 @@ static PetscErrorCode Report(const MpmEnsemble *e, PetscReal wall_s)
                  "growth     per step: smallest %.9g{growth_min}, median %.9g{growth_median}, largest %.9g{growth_max} "
                  "(-seed %" PetscInt64_FMT "{worst_seed})\n",
                  e->growth_min, e->growth_median, e->growth_max, e->worst_seed);
-  PrintVerdict(e);
+  PrintVerdict(e, layout);
   MpmPrint("time: %.3g s\n", e->seconds);
   PetscCall(MpmResultEnd(e->request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -103,8 +103,10 @@ static PetscErrorCode Report(MpmStabilityMap *map, PetscReal wall_s)
   const MpmFinding *f       = &map->finding;
   const PetscInt    n       = map->points[0] * map->points[1];
   json_t           *result, *found;
+  char              layout[MPM_COUNTS_TEXT] = "";
 
   PetscFunctionBegin;
+  if (map->scene) PetscCall(MpmReportLayout(map->scene, request, sizeof layout, layout));
   PetscCall(map->scene ? MpmResultOfScene(map->scene, request, &result) : MpmResultOfFile(request, NULL, &result));
   found = MpmResultIn(result, "map");
   MpmResultFinding(result, f);
@@ -117,12 +119,13 @@ static PetscErrorCode Report(MpmStabilityMap *map, PetscReal wall_s)
   MpmResultSay(found, "\nunstable   %" PetscInt_FMT "{unstable} (%.4g%%)\nundecided  %" PetscInt_FMT "{undecided}\n",
                map->unstable, 100.0 * map->unstable / n, map->undecided);
   if (map->program) PrintFaults(map);
-  MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g\n", f->growth, axes[0].name,
-           map->at[0][map->worst / map->points[1]], axes[1].name, map->at[1][map->worst % map->points[1]]);
+  MpmPrint("growth     per step, largest: %.9g at %s %.6g, %s %.6g%s%s\n", f->growth, axes[0].name,
+           map->at[0][map->worst / map->points[1]], axes[1].name, map->at[1][map->worst % map->points[1]],
+           map->scene ? "; " : "", layout);
   if (!isnan(map->published_limit))
     MpmPrint("published  stable up to Courant number %.6g (particles at rest)\n", map->published_limit);
-  MpmPrint("\nverdict: %s, growth beyond 1 + %.6g at %" PetscInt_FMT " of %" PetscInt_FMT " points\nevidence: %s\n",
-           MpmVerdictNames[f->verdict], f->tolerance, map->unstable, n, f->evidence);
+  MpmPrint("\nverdict: %s, growth beyond 1 + %.6g at %" PetscInt_FMT " of %" PetscInt_FMT " points%s%s\nevidence: %s\n",
+           MpmVerdictNames[f->verdict], f->tolerance, map->unstable, n, map->scene ? "; " : "", layout, f->evidence);
   MpmPrint("time: %.3g s\n", map->seconds);
   PetscCall(MpmResultEnd(request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -103,10 +103,11 @@ static void Pace(json_t *result, const MpmRun *run)
   const MpmPaceHeld *h    = &pace->held;
 
   if (MpmPaceHasChosen(pace))
-    MpmResultSay(result,
-                 "dt from %.6g{dt_least} to %.6g{dt_largest}, mean %.6g{dt_mean}, changed %" PetscInt64_FMT " times\n",
-                 MpmSceneTimeStep(s, pace->least), MpmSceneTimeStep(s, pace->largest),
-                 run->time / (PetscReal)run->steps, pace->changes);
+    MpmResultSay(
+        result, "dt from %.6g{dt_least} to %.6g{dt_largest}, mean %.6g{dt_mean}, changed %" PetscInt64_FMT " times\n",
+        MpmSceneTimeStep(s, pace->least), MpmSceneTimeStep(s, pace->largest),
+        MpmSceneTimeStep(s, pace->sum / (PetscReal)(pace->taken[MPM_PACE_WAVES] + pace->taken[MPM_PACE_MOTION])),
+        pace->changes);
   else
     MpmPrint("dt: every step is what is left to the end\n");
   MpmResultKeep(result, "%" PetscInt64_FMT "{changes}", pace->changes);
@@ -115,17 +116,21 @@ static void Pace(json_t *result, const MpmRun *run)
   MpmResultSay(result, "  %-10s %-9" PetscInt64_FMT " steps: %g{safety} of ", "by waves", pace->taken[MPM_PACE_WAVES],
                s->safety);
   if (pace->why_not)
-    MpmResultSay(
-        result,
-        "the limit of particles at rest in a lattice (%s{limited_by}), %.6g{limit} h / c, with the fastest waves' c; "
-        "%s{no_bound}\n",
-        MpmPaceLimitName(pace), h->limit, pace->why_not);
+    MpmResultSay(result,
+                 "%.6g{limit} h / c, the limit at rest of %s, with the fastest waves' c; no bound of these particles: "
+                 "%s{no_bound}\n",
+                 h->limit,
+                 pace->where == MPM_ALONE     ? "a particle that is alone"
+                 : pace->where == MPM_AT_EDGE ? "the edge of a lattice"
+                                              : "a lattice",
+                 pace->why_not);
   else
     MpmResultSay(
         result,
-        "a bound for the particles as they stand (%s{limited_by}), last %.6g{limit} h / c with the fastest waves' c, "
-        "first %.6g{first_limit}\n",
+        "a bound for the particles as they stand (%s), last %.6g{limit} h / c with the fastest waves' c, first "
+        "%.6g{first_limit}\n",
         MpmPaceLimitName(pace), h->limit, h->first);
+  MpmResultKeep(result, "%s{limited_by}", MpmPaceLimitName(pace));
   if (!pace->why_not && s->step_bound == MPM_STEP_LANCZOS)
     MpmResultSay(result,
                  "  %-10s %-9" PetscInt64_FMT

@@ -221,17 +221,19 @@ static void Bulk(json_t *result, const MpmSpectrum *s)
   Transient(result, s);
 }
 
-void MpmSpectrumReport(json_t *result, const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,
-                       const MpmNeighbourhoods *all)
+PetscErrorCode MpmSpectrumReport(json_t *result, const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,
+                                 const MpmNeighbourhoods *all)
 {
+  PetscFunctionBegin;
   MpmResultFinding(result, all ? &all->finding : &s->finding);
   if (s && s->certificates) MpmReportCertificates(result, s->certificates);
   if (s) Bulk(result, s);
   if (all)
-    MpmNeighbourhoodsReport(MpmResultIn(result, "spectrum"), scene, request, PETSC_FALSE, all);
+    MpmNeighbourhoodsReport(MpmResultIn(result, "spectrum"), scene, request, PETSC_FALSE, PETSC_FALSE, all);
   else
-    MpmReportFinding(result, &s->finding, s->condition);
+    PetscCall(MpmReportFinding(result, scene, request, &s->finding, s->condition));
   if (s) Cost(MpmResultIn(result, "spectrum"), s);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* ---- files: eigenvalues, modes, the symbol's curves and transient growth ---- */
@@ -392,7 +394,7 @@ static PetscErrorCode OfTangent(const MpmScene *scene, const MpmRequest *request
   PetscCall(MpmFrozenSpectrum(scene, request, started, &s, &mismatch));
   PetscCall(MpmSpectrumWriteFiles(s));
   PetscCall(MpmResultOfScene(scene, request, &result));
-  MpmSpectrumReport(result, scene, request, s, NULL);
+  PetscCall(MpmSpectrumReport(result, scene, request, s, NULL));
   MpmResultSay(
       result, "tangent: of the step after step %" PetscInt64_FMT "{tangent.at_step}, as if the state stayed as it is; ",
       request->at_step);
@@ -435,7 +437,7 @@ PetscErrorCode MpmTaskSpectrum(const MpmScene *scene, const MpmRequest *request,
   if (all) PetscCall(MpmNeighbourhoodsFind(scene, request, &place, PETSC_FALSE, all));
   if (bulk) PetscCall(MpmSpectrumWriteFiles(bulk));
   PetscCall(scene ? MpmResultOfScene(scene, request, &result) : MpmResultOfFile(request, "the matrix", &result));
-  MpmSpectrumReport(result, scene, request, bulk, all);
+  PetscCall(MpmSpectrumReport(result, scene, request, bulk, all));
   PetscCall(MpmResultEnd(request, MPI_Wtime() - started, &result));
   if (bulk && request->write_matrix[0]) PetscCall(Write(request->write_matrix, bulk->op));
   PetscCall(MpmExpectFinding(&request->expect, all ? &all->finding : &bulk->finding, missed));

@@ -207,30 +207,30 @@ typedef struct {
 } Answer;
 
 /* Where growth is largest: the phase, and the length of its waves in cells. */
-static void Maximum(json_t *result, const MpmSymbol *s)
+static void Maximum(json_t *result, const MpmSymbol *s, const char layout[])
 {
   PetscReal size = 0;
-  char      text[256], waves[48] = "";
+  char      text[MPM_COUNTS_TEXT + 256], waves[48] = "";
 
   for (PetscInt a = 0; a < s->dim; a++)
     size = hypot(size, PetscMin(s->beta_at_max[a], 2 * PETSC_PI - s->beta_at_max[a]));
   if (size > 0) (void)snprintf(waves, sizeof waves, " (waves of %.4g cells)", 2 * PETSC_PI / size);
-  (void)snprintf(text, sizeof text, "at beta = %s%s of %s phases",
+  (void)snprintf(text, sizeof text, "at beta = %s%s of %s phases; %s",
                  size > 0 ? MpmVectorText(s->dim, s->beta_at_max, 6, MPM_VECTOR_ROOM) : "0", waves,
-                 MpmCountsText(s->dim, s->phases, MPM_VECTOR_ROOM));
+                 MpmCountsText(s->dim, s->phases, MPM_VECTOR_ROOM), layout);
   MpmReportGrowth(result, "predicted.symbol", "symbol", s->growth, text);
   MpmResultSymbol(result, s);
 }
 
 /* The phases that refined growth has looked at, and where growth is largest. */
-static void Refined(json_t *result, PetscInt dim, const MpmRefined *r)
+static void Refined(json_t *result, PetscInt dim, const MpmRefined *r, const char layout[])
 {
   const PetscBool none = isnan(r->beta[0]) ? PETSC_TRUE : PETSC_FALSE;
-  char            text[256];
+  char            text[MPM_COUNTS_TEXT + 256];
 
-  (void)snprintf(text, sizeof text, "at %s%s of up to %" PetscInt_FMT " phases in (0, pi] and uphill%s",
+  (void)snprintf(text, sizeof text, "at %s%s of up to %" PetscInt_FMT " phases in (0, pi] and uphill%s; %s",
                  none ? "none" : "beta = ", none ? "" : MpmVectorText(dim, r->beta, 6, MPM_VECTOR_ROOM), r->points,
-                 r->settled ? "" : ", and still moves");
+                 r->settled ? "" : ", and still moves", layout);
   MpmReportGrowth(result, "growth", "refined", r->growth, text);
   if (!none) MpmResultNumbers(result, "beta_at_max", dim, r->beta);
   MpmResultKeep(result, "%" PetscInt_FMT "{phases} %d{settled?}", r->points, r->settled);
@@ -239,18 +239,20 @@ static void Refined(json_t *result, PetscInt dim, const MpmRefined *r)
 static PetscErrorCode Report(const MpmScene *scene, const MpmRequest *request, const Answer *a, PetscReal wall_s)
 {
   json_t *result;
+  char    layout[MPM_COUNTS_TEXT];
 
   PetscFunctionBegin;
   PetscCall(MpmResultOfScene(scene, request, &result));
   MpmPrint("\ngrowth per step\n");
   MpmReportPredictions(result, &a->predictor, &a->predictions);
-  Maximum(result, a->symbol);
+  PetscCall(MpmReportLayout(scene, request, sizeof layout, layout));
+  Maximum(result, a->symbol, layout);
   if (scene->written && !MpmSceneDrifts(scene)) PetscCall(MpmReportNodal(scene->scheme.table, "  nodal       "));
-  if (a->refined) Refined(MpmResultIn(result, "refined"), scene->layout.dim, a->refined);
+  if (a->refined) Refined(MpmResultIn(result, "refined"), scene->layout.dim, a->refined, layout);
   MpmPrint("\n");
   MpmReportComparison(result, &a->predictor, &a->comparison);
   if (a->damping) Damping(MpmResultIn(MpmResultIn(result, "symbol"), "damping"), scene, a->damping);
-  MpmReportFinding(result, &a->finding, a->symbol->condition);
+  PetscCall(MpmReportFinding(result, scene, request, &a->finding, a->symbol->condition));
   MpmPrint("time: %.3g s\n", a->symbol->seconds);
   PetscCall(MpmResultEnd(request, wall_s, &result));
   PetscFunctionReturn(PETSC_SUCCESS);

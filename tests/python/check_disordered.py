@@ -18,7 +18,8 @@ CASES = (("-formulation usl -basis quadratic -courant 0.9", 24, 10),
          ("-formulation usavg -basis cubic -transfer pic -ppc 1", 24, 6),
          ("-formulation verlet -basis quadratic", 24, 4),
          ("-formulation rk -basis quadratic", 24, 4),
-         ("-dim 2 -formulation usf -basis quadratic -ppc 1", 6, 6))
+         ("-dim 2 -formulation usf -basis quadratic -ppc 1", 6, 6),
+         ("-dim 3 -formulation usl -basis quadratic -ppc 1", 4, 3))
 
 
 def critical(words):

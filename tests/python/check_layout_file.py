@@ -60,6 +60,12 @@ def check_materials():
     units = "-density 1000 -young 2e6"
     write("units.csv", "young,mass,volume,x", [[2e6 * e, 1000 * m, v, x] for x, v, m, e in rows])
     same(limit(f"{scheme} {two}"), limit(f"{scheme} {units} -layout units.csv"), "two materials in SI units")
+    for words in (units, ""):
+        out, _ = run(f"critical {scheme} {words} -layout units.csv")
+        check("note: mass over volume of the particles is from 1000 to 4000" in out, out)
+    write("alike.csv", "x,volume,mass,poisson", [[x, v, 1000 * v, 0.3] for x, v, _, _ in rows])
+    out, _ = run(f"critical {scheme} {units} -layout alike.csv")
+    check("note:" not in out and "; not used: poisson" in out, out)
     places = [(c + (j + 0.5) / n, 1 / n) for c in range(cells) for n in [1 + c % 2] for j in range(n)]
     write("counts.csv", "x,volume", [[x / cells, v / cells] for x, v in places])
     same(limit(f"{scheme} -counts 1,2"), limit(f"{scheme} -layout counts.csv"), "cells with one and two")
@@ -204,7 +210,7 @@ BAD = [("", "it is empty"), ("x\n", "no particle"), ("y\n0\n", "line 1: there is
        ("x\nnan\n", "line 2: x 'nan'"), ("x\n.5\n\n.6\n", "line 3: x ''"), ("x\n.5,.6\n", "line 2: more numbers"),
        ("x,mass\n.5\n", "line 2: fewer numbers"), ("x\n.5\n1.5\n", "line 3: x 1.5 is outside"),
        ("x,x\n1,1\n", "line 1: a column twice"), ("x\n.5e\n", "line 2: x '.5e'"), ("\0\1\2", "line 1: not text"),
-       ("x\n" + "1" * 5000 + "\n", "line 2: not text, or longer"), ("x,volume\n.5,1e-320\n", "line 2: mass, volume"),
+       ("\177ELF\2\1\n\0", "line 1: not text"), ("x\n" + "1" * 5000 + "\n", "line 2: not text, or longer"), ("x,volume\n.5,1e-320\n", "line 2: mass, volume"),
        ("x,fixed\n.5,0.5\n", "line 2: fixed '0.5'")]
 
 

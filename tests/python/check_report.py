@@ -153,6 +153,7 @@ def check_overview(page):
             for name in ("rings", "rests", "wrong-one-s")}
     check("? not examined" in line["wrong-one-s"][1], f"{line['wrong-one-s']}")
     check(result("rings", "critical")["critical"]["threshold"] is False, "rings has a threshold: this tests nothing")
+    check(re.search(r"up to <data [^>]*>[^<]*</data> \((lattice|layout|neighbourhood)", page), "a limit without its layout")
     check(">0</abbr>" in line["rings"][10] and "falls below the tolerance" in line["rings"][10], f"{line['rings']}")
     check("0: growth fades as k does" in page, "the page says in another way that no step of rings is stable")
     limit = result("rests", "critical")["critical"]["critical_courant"]

@@ -69,7 +69,7 @@ PetscBool MpmMaterialFlows(const MpmMaterialNumbers *material)
 }
 
 /* The largest eigenvalue of a symmetric tensor. With dim 3: O. K. Smith, Eigenvalues of a symmetric 3 x 3 matrix (1961). */
-static PetscReal LargestEigenvalue(PetscInt dim, const PetscReal s[])
+INLINE PetscReal LargestEigenvalue(PetscInt dim, const PetscReal s[])
 {
   const PetscReal mean = Trace(dim, s) / dim;
   PetscReal       off[6], size, cosine;
@@ -85,12 +85,17 @@ static PetscReal LargestEigenvalue(PetscInt dim, const PetscReal s[])
   return mean + 2 * size * cos(acos(PetscMin(1, PetscMax(-1, cosine / 2))) / 3);
 }
 
-PetscReal MpmMaterialModulus(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
+INLINE PetscReal ModulusOf(const PetscInt dim, const MpmMaterialNumbers *material, const PetscReal F[])
 {
   PetscReal B[6];
 
-  if (material->several) return MpmSeveralModulus(material, dim, F);
-  if (material->law->plastic) return MpmPlasticModulus(material, dim, F);
   LeftProduct(dim, F, B);
   return material->law->modulus(material, dim, LargestEigenvalue(dim, B), Trace(dim, B), Volume(dim, F));
+}
+
+PetscReal MpmMaterialModulus(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
+{
+  if (material->several) return MpmSeveralModulus(material, dim, F);
+  if (material->law->plastic) return MpmPlasticModulus(material, dim, F);
+  return dim == 1 ? ModulusOf(1, material, F) : dim == 2 ? ModulusOf(2, material, F) : ModulusOf(3, material, F);
 }
