@@ -258,6 +258,13 @@ PetscErrorCode MpmSmallEigenDestroy(MpmSmallEigen *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmSmallEigenLapack(MpmSmallEigen *s)
+{
+  PetscFunctionBegin;
+  PetscCall(Call(s, PETSC_FALSE, (PetscBLASInt)s->lwork, s->work));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmSmallEigenSolve(MpmSmallEigen *s, PetscBool vectors)
 {
   PetscBool ok;

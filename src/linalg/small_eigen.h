@@ -32,6 +32,9 @@ PetscErrorCode MpmSmallEigenDestroy(MpmSmallEigen *small);
 */
 PetscErrorCode MpmSmallEigenSolve(MpmSmallEigen *small, PetscBool vectors);
 
+/* Not collective. The eigenvalues by LAPACK alone, with which those of MpmSmallEigenSolve are compared. */
+PetscErrorCode MpmSmallEigenLapack(MpmSmallEigen *small);
+
 #define MPM_SMALL_QR_MOST 192 /* the largest order */
 
 /*

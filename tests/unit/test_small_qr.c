@@ -57,7 +57,7 @@ static PetscErrorCode CheckOne(PetscInt kind, PetscInt n, PetscReal scale)
   PetscCall(MpmSmallEigenCreate(n, &e));
   PetscCall(PetscMalloc1(n, &value));
   Fill(kind, n, e.matrix);
-  PetscCall(MpmSmallEigenSolve(&e, PETSC_TRUE)); /* with vectors it is LAPACK's */
+  PetscCall(MpmSmallEigenLapack(&e));
   PetscCall(PetscArraycpy(value, e.value, n));
   Fill(kind, n, e.matrix);
   for (PetscInt i = 0; i < n * n; i++) e.matrix[i] *= scale;
