@@ -57,14 +57,16 @@ static void PrintMatrixFree(const MpmProgram *p)
 
 void MpmReportProgram(const MpmProgram *p)
 {
-  const MpmStepper *s = p->stepper;
+  const MpmStepper *s   = p->stepper;
+  const PetscBool   map = strcmp(p->request->task, "map") ? PETSC_FALSE : PETSC_TRUE; /* goes over many values */
 
   MpmReportFile(p->request, s->name);
   MpmPrint("%" PetscInt64_FMT " particles with %" PetscInt_FMT " numbers each, in %" PetscInt_FMT
            " direction%s, cells of %.6g; ",
            s->particles, s->width, s->dim, s->dim == 1 ? "" : "s", (double)s->cell_width);
   for (PetscInt i = 0; i < s->nparameters; i++)
-    MpmPrint("%s = %.6g%s", s->parameters[i].name, (double)s->parameters[i].now, i + 1 < s->nparameters ? ", " : "\n");
+    MpmPrint("%s = %.6g%s", s->parameters[i].name, (double)(map ? s->parameters[i].value : s->parameters[i].now),
+             i + 1 < s->nparameters ? ", " : "\n");
   if (!s->nparameters) MpmPrint("it names no parameters\n");
   if (p->kind == MPM_PROBE_BLOCH) {
     MpmPrint("probing: bloch, since the %s cells are alike; the unknowns of one cell are %" PetscInt_FMT,
