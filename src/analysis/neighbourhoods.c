@@ -174,7 +174,7 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
   one->courant     = layouts.courant;
   one->growth      = layouts.growth;
   one->layouts     = layouts.n;
-  one->cells       = layouts.cells;
+  one->cells       = layouts.box;
   one->unstable    = layouts.unstable;
   one->undecided   = layouts.undecided;
   one->worst_seed  = layouts.worst;

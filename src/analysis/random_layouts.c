@@ -60,7 +60,7 @@ static PetscErrorCode BoxOf(const Search *s, PetscInt i, MpmLayout *to)
   l.sites = 1;
   if (l.jitter == 0) l.jitter = 1;
   for (PetscInt a = 0; a < l.dim; a++) {
-    const PetscInt cells = s->asked->cells;
+    const PetscInt cells = s->asked->box;
 
     l.grid[a]  = (MpmDirection){.cells = cells, .nodes = cells, .ends = {MPM_PERIODIC, MPM_PERIODIC}};
     l.first[a] = 0;
@@ -494,9 +494,9 @@ PetscErrorCode MpmRandomLayoutsFind(const MpmCriticalCase *of, MpmRandomLayouts 
 
   PetscFunctionBegin;
   PetscCall(MpmNodalPlanCreate(of->scheme->table, NULL, &plan));
-  s.plan        = plan;
-  asked->growth = 0;
-  if (!asked->cells) asked->cells = box[of->layout->dim - 1];
+  s.plan          = plan;
+  asked->growth   = 0;
+  asked->box      = asked->cells ? asked->cells : box[of->layout->dim - 1];
   asked->courant  = NAN;
   asked->worst    = asked->seed;
   asked->unstable = asked->undecided = 0;

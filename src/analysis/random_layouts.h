@@ -8,7 +8,7 @@
    MpmRandomLayouts - what is asked of n layouts, and what was found.
 
    n, seed - the number of layouts; layout i is hashed from seed + i
-   cells   - of the box, in each direction; 0 becomes 24 in one dimension, 6 in two, 3 in three
+   cells   - of the box, in each direction; 0: 24 in one dimension, 6 in two, 3 in three. box: the number that was taken
    voids   - the share of sites without a particle
    scatter - every second layout has its particles anywhere in the box, as layout random has them
    moves   - so many times a particle of each layout is moved, or taken away, where this makes its limit smaller
@@ -25,7 +25,7 @@
    fades   - there is no threshold: growth fades with the Courant number, and courant is 0
 S*/
 typedef struct {
-  PetscInt    n, cells;
+  PetscInt    n, cells, box;
   PetscInt64  seed;
   PetscReal   voids;
   PetscInt    moves;
