@@ -224,7 +224,7 @@ static void CheckTurned(const MpmMaterialNumbers *m, PetscInt dim, const Tensors
     Full(dim, &of_right, p, same);
     for (PetscInt c = 0; c < dim * dim; c++) {
       CHECK_NEAR(found[c], expected[c], 1e-14 * (100 + fabs(expected[c])));
-      CHECK_NEAR(same[c], t[c], 1e-12);
+      CHECK_NEAR(same[c], t[c], 1e-14 * (100 + fabs(t[c])));
     }
   }
 }
