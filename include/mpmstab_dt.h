@@ -1,6 +1,6 @@
 /*
-   mpmstab_dt: the largest stable time step of the particles that you have now, in C and in C++. This header is all that is
-   needed. It uses math.h alone, allocates nothing and prints nothing.
+   mpmstab_dt: the largest stable time step of the particles that you have now, in C and in C++. This header is all that
+   is needed. It uses math.h alone, allocates nothing and prints nothing.
 
      mpmstab_dt_layout at;
 
@@ -15,15 +15,16 @@
 
      dt = 0.95 * mpmstab_dt_step(&at, MPMSTAB_DT_LANCZOS);                       in your loop, with volumes and moduli of now
 
-   K = sum_p V_p B_p^T C_p B_p is the stiffness of the nodes, M has their lumped masses, and omega2 is the largest eigenvalue
-   of M^-1 K. The step is stable at rest while dt^2 omega2 <= factor. The bounds of omega2:
+   K = sum_p V_p B_p^T C_p B_p is the stiffness of the nodes, M has their lumped masses, and omega2 is the largest
+   eigenvalue of M^-1 K. The step is stable at rest while dt^2 omega2 <= factor. The bounds of omega2:
      MPMSTAB_DT_LONE      each particle as if it were alone; infinite where a particle meets a node on hats
      MPMSTAB_DT_PARTICLE  the mass of a node split between particles by V_p |grad S_ip|, and at.sweeps improvements
      MPMSTAB_DT_LANCZOS   a certificate from a random start and at.products (20) products with K. It is wrong with a chance of
                           at most at.chance (1e-6), and gives some nine tenths of the exact step
-   In one dimension lambda + 2 mu counts. Stress of the order of the moduli, viscosity and contact are not in the bounds, nor
-   is motion: let no particle cross a cell in a step. MPI: the least step of all ranks, each with its own particles, is stable
-   for all, since the mass of a node can be split between ranks, too. OpenMP: passes are parallel where the compiler has it.
+   In one dimension lambda + 2 mu counts. Stress of the order of the moduli, viscosity and contact are not in the
+   bounds, nor is motion: let no particle cross a cell in a step. MPI: the least step of all ranks, each with its own
+   particles, is stable for all, since the mass of a node can be split between ranks, too. OpenMP: passes are parallel
+   where the compiler has it.
 */
 #ifndef MPMSTAB_DT_H
 #define MPMSTAB_DT_H
@@ -36,7 +37,9 @@
 #define MPMSTAB_DT_OMP(text)
 #endif
 
-/* The number of nodes in a direction; POINTERS: you give nodes, weights and gradients, of 64 nodes a particle at most. */
+/*
+   The number of nodes in a direction; POINTERS: you give nodes, weights and gradients, of 64 nodes a particle at most.
+*/
 enum {
   MPMSTAB_DT_POINTERS  = 0,
   MPMSTAB_DT_HATS      = 2,
@@ -48,9 +51,10 @@ enum { MPMSTAB_DT_LONE, MPMSTAB_DT_PARTICLE, MPMSTAB_DT_LANCZOS };
 enum { MPMSTAB_DT_MASS, MPMSTAB_DT_SPLIT, MPMSTAB_DT_PRODUCT }; /* passes */
 
 /*
-   Factors. verlet: share 1/2 and flip. usf, musl, usavg and usl: flip, blend, pic, apic; usl has 2 (1 + f) / (1 + f - alpha)
-   for a mode of which P2G of G2P leaves alpha and the transfer f. Runge-Kutta: the square of its edge. xpic and fmpm: unknown.
-   MLS_MPM is usl with apic and at.mls = 1, for which sqrt(2 / omega2 + 2 / lone) is stable, lone being the bound of that name.
+   Factors. verlet: share 1/2 and flip. usf, musl, usavg and usl: flip, blend, pic, apic; usl has 2 (1 + f) /
+   (1 + f - alpha) for a mode of which P2G of G2P leaves alpha and the transfer f. Runge-Kutta: the square of its edge.
+   xpic and fmpm: unknown. MLS_MPM is usl with apic and at.mls = 1, for which sqrt(2 / omega2 + 2 / lone) is stable,
+   lone being the bound of that name.
 */
 enum { MPMSTAB_DT_USL = 2, MPMSTAB_DT_USF = 4, MPMSTAB_DT_MUSL = 4, MPMSTAB_DT_USAVG = 4, MPMSTAB_DT_VERLET = 4 };
 enum { MPMSTAB_DT_MLS_MPM = 0, MPMSTAB_DT_RK3 = 3, MPMSTAB_DT_KG3 = 4, MPMSTAB_DT_RK4 = 8, MPMSTAB_DT_KG5 = 16 };
@@ -62,12 +66,12 @@ typedef struct {
 
 /*
    nodes: node (i, j, k) has the number i + nx (j + ny k). mls: 1: gradients are S (x_i - x_p) / D (quadratic, cubic).
-   fixed: NULL, or a number for each node whose bit a is set where a wall sets component a of the velocity.
-   POINTERS: node and weight have width numbers of each particle, gradient dim times as many; nodes[0] counts the nodes.
-   seed: of the next certificate; it grows by 1 with each. mode: NULL, or memory for dim numbers a node: LANCZOS then finds
-   its mode and the particle with the most energy in it, in twice the time.
-   Answers: omega2 from above, omega2_least from below (LANCZOS), the particle that decides or -1, and error: what is wrong
-   with this particle, or NULL. Where something is wrong the step is 0.
+   fixed: NULL, or a number for each node whose bit a is set where a wall sets component a of the velocity. POINTERS:
+   node and weight have width numbers of each particle, gradient dim times as many; nodes[0] counts the nodes. seed: of
+   the next certificate; it grows by 1 with each. mode: NULL, or memory for dim numbers a node: LANCZOS then finds its
+   mode and the particle with the most energy in it, in twice the time. Answers: omega2 from above, omega2_least from
+   below (LANCZOS), the particle that decides or -1, and error: what is wrong with this particle, or NULL. Where
+   something is wrong the step is 0.
 */
 typedef struct {
   int                  dim, basis, mls, sweeps, products, periodic[3];
@@ -119,7 +123,9 @@ static inline double mpmstab_dt_get(mpmstab_dt_array of, long p, int a)
   return of.size == sizeof(float) ? (double)*(const float *)number : *(const double *)number;
 }
 
-/* Weights and gradients in one direction of a particle at t cells from the first node; returns the first of its nodes. */
+/*
+   Weights and gradients in one direction of a particle at t cells from the first node; returns the first of its nodes.
+*/
 static inline double mpmstab_dt_line(const mpmstab_dt_layout *at, double t, double h, double *S, double *g)
 {
   const double first = floor(at->basis == MPMSTAB_DT_QUADRATIC ? t - 0.5 : t), f = t - first, e = 1 - f;
@@ -173,7 +179,9 @@ static inline const char *mpmstab_dt_find(const mpmstab_dt_layout *at, long p, m
   return NULL;
 }
 
-/* What a particle gives to nodes: mass, the split V_p |grad S_ip|, or K root v, with twice its strain energy to itself. */
+/*
+   What a particle gives to nodes: mass, the split V_p |grad S_ip|, or K root v, with twice its strain energy to itself.
+*/
 static inline void mpmstab_dt_give(mpmstab_dt_layout *at, int pass, long p)
 {
   const int           d = at->dim, product = pass == MPMSTAB_DT_PRODUCT;
@@ -237,9 +245,10 @@ static inline double mpmstab_dt_eigenvalues(double A[3][3])
 }
 
 /*
-   The bound of a particle: the largest eigenvalue of C sym(. G), G = V_p sum_i g g^T / m, m its part of the mass of a node.
-   In the axes of G strains along them have the matrix 2 mu G + lambda sqrt(G) sqrt(G)^T. A shear has mu (G_a + G_b), which
-   is no more: (sqrt(G_a), - sqrt(G_b)) has that much of the matrix if lambda >= - mu, as all solids have.
+   The bound of a particle: the largest eigenvalue of C sym(. G), G = V_p sum_i g g^T / m, m its part of the mass of a
+   node. In the axes of G strains along them have the matrix 2 mu G + lambda sqrt(G) sqrt(G)^T. A shear has mu
+   (G_a + G_b), which is no more: (sqrt(G_a), - sqrt(G_b)) has that much of the matrix if lambda >= - mu, as all solids
+   have.
 */
 static inline double mpmstab_dt_bound(const mpmstab_dt_layout *at, long p, int lone)
 {
@@ -263,7 +272,9 @@ static inline double mpmstab_dt_bound(const mpmstab_dt_layout *at, long p, int l
   return mpmstab_dt_eigenvalues(T);
 }
 
-/* The largest own number of particles, at->particle: bounds (lone 2: walls left out), or with lone < 0 what they have. */
+/*
+   The largest own number of particles, at->particle: bounds (lone 2: walls left out), or with lone < 0 what they have.
+*/
 static inline double mpmstab_dt_largest(mpmstab_dt_layout *at, int lone)
 {
   at->particle = 0;
@@ -325,7 +336,9 @@ static inline double mpmstab_dt_next(mpmstab_dt_layout *at, int j)
   return length;
 }
 
-/* The largest t with log |p_k(t)| <= level, by the recurrence of p_k(A) v_1 = v_{k+1}, positive beyond the Ritz values. */
+/*
+   The largest t with log |p_k(t)| <= level, by the recurrence of p_k(A) v_1 = v_{k+1}, positive beyond the Ritz values.
+*/
 static inline double mpmstab_dt_root(const mpmstab_dt_layout *at, int k, double level, double high)
 {
   double low = 0;
@@ -355,8 +368,9 @@ static inline void mpmstab_dt_find_mode(mpmstab_dt_layout *at, int k)
 }
 
 /*
-   v_{k+1} = p_k(A) v_1 has length 1, so the part of v_1 along the mode of omega2 is at most 1 / p_k(omega2). Of n normal
-   numbers it is below d with a chance of at most d sqrt(2 n / pi). Source: van Dorsselaer, Hochstenbach, van der Vorst 2000.
+   v_{k+1} = p_k(A) v_1 has length 1, so the part of v_1 along the mode of omega2 is at most 1 / p_k(omega2). Of n
+   normal numbers it is below d with a chance of at most d sqrt(2 n / pi). Source: van Dorsselaer, Hochstenbach, van der
+   Vorst 2000.
 */
 static inline double mpmstab_dt_certificate(mpmstab_dt_layout *at)
 {

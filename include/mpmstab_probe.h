@@ -1,6 +1,6 @@
 /*
-   mpmstab_probe: one call in your own time loop writes the matrix of your step. This header and mpmstab_scales.h beside it
-   are all that is needed, in C and in C++:
+   mpmstab_probe: one call in your own time loop writes the matrix of your step. This header and mpmstab_scales.h beside
+   it are all that is needed, in C and in C++:
 
      mpmstab_hook hook = {{0}};                                     periods of the grid: {{Lx, Ly, Lz}}, 0 where none
 
@@ -11,8 +11,9 @@
      mpmstab spectrum -matrix A.mtx
      mpmstab symbol -matrix_blocks A.mtx                            all waves, where all cells are alike
 
-   Each call keeps the answer to the last perturbation, restores the state, perturbs other unknowns and lets your loop do
-   its step. The last call writes the matrix, restores the state to the last bit, and returns 1; so do all later ones.
+   Each call keeps the answer to the last perturbation, restores the state, perturbs other unknowns and lets your loop
+   do its step. The last call writes the matrix, restores the state to the last bit, and returns 1; so do all later
+   ones.
 
    All that a step changes and a later step reads has to be registered, and particles have to keep their order and their
    memory. The columns are central differences,
@@ -79,8 +80,9 @@ typedef struct {
 } mpmstab_registered;
 
 /*
-   at: which particles are perturbed together, by cells; reach: -1 where there are none. For each pair of numbers of a particle, couples has the largest entry, kinks and sizes what one_sided and two_sizes are made of; own: the
-   largest entry on the diagonal. apart: numbers that no other eigenvalue feels.
+   at: which particles are perturbed together, by cells; reach: -1 where there are none. For each pair of numbers of a
+   particle, couples has the largest entry, kinks and sizes what one_sided and two_sizes are made of; own: the largest
+   entry on the diagonal. apart: numbers that no other eigenvalue feels.
 */
 struct mpmstab_work {
   mpmstab_registered field[MPMSTAB_MOST_FIELDS];
@@ -256,9 +258,9 @@ static inline double mpmstab_size_(const struct mpmstab_work *w)
 }
 
 /*
-   The perturbation: +s and -s of one number of the particles of a colour, +2s and -2s, or +-s at random of all numbers that
-   are not set apart, or of a field, while scales are looked for. The first one is of all numbers, and so is the last. After
-   the first the loop goes on, then begins at the base state, and then at the state after its first step.
+   The perturbation: +s and -s of one number of the particles of a colour, +2s and -2s, or +-s at random of all numbers
+   that are not set apart, or of a field, while scales are looked for. The first one is of all numbers, and so is the
+   last. After the first the loop goes on, then begins at the base state, and then at the state after its first step.
 */
 static inline void mpmstab_perturb_(struct mpmstab_work *w)
 {
@@ -395,8 +397,8 @@ static inline void mpmstab_next_scale_(struct mpmstab_work *w)
 }
 
 /*
-   What the first perturbation gives is kept. A loop that goes on from there has all that the step has left, also what is not
-   registered. One that begins there anew, after another step, has what is registered.
+   What the first perturbation gives is kept. A loop that goes on from there has all that the step has left, also what
+   is not registered. One that begins there anew, after another step, has what is registered.
 */
 static inline void mpmstab_take_first_(struct mpmstab_work *w)
 {

@@ -1,12 +1,12 @@
 /*
    mpmstab_scales: sizes of fields that nobody has declared, found from the answers of a step; the fields that no other
-   eigenvalue feels; and which particles are perturbed together. mpmstab and the hook (mpmstab_probe.h) use it; it needs nothing
-   else.
+   eigenvalue feels; and which particles are perturbed together. mpmstab and the hook (mpmstab_probe.h) use it; it needs
+   nothing else.
 
    Perturbations are made, and errors are judged, in scales d[i] of the fields. Couplings B[i][j] say how much field i
-   changes in a step when field j is changed, largest number by largest number; a good choice of scales makes
-   B[i][j] d[j] / d[i] of order 1. Of fields that feel one another scales are balanced (Osborne 1960): what a field gives
-   in scales is as much as what it gets,
+   changes in a step when field j is changed, largest number by largest number; a good choice of scales makes B[i][j]
+   d[j] / d[i] of order 1. Of fields that feel one another scales are balanced (Osborne 1960): what a field gives in
+   scales is as much as what it gets,
 
      d[i]^2 = (sum over j of B[i][j] d[j]) / (sum over j of B[j][i] / d[j])
 
@@ -28,10 +28,10 @@ enum { MPMSTAB_SCALES_MOST = 64, MPMSTAB_SCALES_PASSES = 60, MPMSTAB_SCALES_SWEE
 
 /*
    n fields, place: the one that is the place, or -1; cell: the width of a cell. size: of perturbations, in scales.
-   value: the largest absolute value of a field; least: a change of it that is above rounding.
-   given: the scale is declared; known: it has been found. at: the scale with which a field was perturbed last, 0 if never.
-   lost: what couples would be of an answer that was below rounding, where the one before is kept; else 0.
-   unsettled: the change of scales, in powers of 2, when they are measured once more; infinite: they were not found.
+   value: the largest absolute value of a field; least: a change of it that is above rounding. given: the scale is
+   declared; known: it has been found. at: the scale with which a field was perturbed last, 0 if never. lost: what
+   couples would be of an answer that was below rounding, where the one before is kept; else 0. unsettled: the change of
+   scales, in powers of 2, when they are measured once more; infinite: they were not found.
 */
 typedef struct {
   int    n, place, passes;
@@ -64,9 +64,9 @@ static inline void mpmstab_through_others_(int n, int row, char *feels)
 }
 
 /*
-   Sets numbers of a particle apart that do not feel themselves through others, and whose own eigenvalue does not grow. Where
-   this would be all of them, none is. couples[i n + j]: the largest entry by which number i feels number j of a particle;
-   own: the largest by which it feels itself. feels: memory for n n. Returns how many are left.
+   Sets numbers of a particle apart that do not feel themselves through others, and whose own eigenvalue does not grow.
+   Where this would be all of them, none is. couples[i n + j]: the largest entry by which number i feels number j of a
+   particle; own: the largest by which it feels itself. feels: memory for n n. Returns how many are left.
 */
 static inline int mpmstab_set_apart_of_(int n, double noise, const double *couples, const double *own, char *feels,
                                         char *apart)
@@ -115,8 +115,8 @@ static inline void mpmstab_scales_balance_(mpmstab_scales *s, int f)
 }
 
 /*
-   The factor of the set of field f. old, known: of the scales before. A set that nothing shows the size of gets larger, up
-   to a geometric mean of 1e10 (of 1 for a field by itself), and has a mean of 1 if that is in vain.
+   The factor of the set of field f. old, known: of the scales before. A set that nothing shows the size of gets larger,
+   up to a geometric mean of 1e10 (of 1 for a field by itself), and has a mean of 1 if that is in vain.
 */
 static inline double mpmstab_scales_factor_(mpmstab_scales *s, int f, const double *old, const char *known)
 {
@@ -242,14 +242,15 @@ static inline void mpmstab_scales_fail_(mpmstab_scales *s)
 /* ---- particles that are perturbed together ---- */
 
 /*
-   A step reaches a few cells, so particles whose cells are far enough apart have one colour, and are perturbed in one call.
+   A step reaches a few cells, so particles whose cells are far enough apart have one colour, and are perturbed in one
+   call.
 
-   bin: the cell of each particle, 3 numbers, from 0 to bins[a] - 1 in each of dim directions; wraps: the first is next to the last.
-   reach: over so many cells a perturbation is felt; between: cells between what two particles of a colour reach. alone: each
-   particle has a colour of its own, and reaches all others.
-   colour_of: of each particle, colours of them; owner: of a colour the perturbed particle that a particle feels, or -1. Direction a
-   repeats its colours every modulus[a] cells. What is left over at a period has colours of its own; lines[a] with these. bin,
-   colour_of, owner (memory for particles) and grid (for all cells) are the caller's.
+   bin: the cell of each particle, 3 numbers, from 0 to bins[a] - 1 in each of dim directions; wraps: the first is next
+   to the last. reach: over so many cells a perturbation is felt; between: cells between what two particles of a colour
+   reach. alone: each particle has a colour of its own, and reaches all others. colour_of: of each particle, colours of
+   them; owner: of a colour the perturbed particle that a particle feels, or -1. Direction a repeats its colours every
+   modulus[a] cells. What is left over at a period has colours of its own; lines[a] with these. bin, colour_of, owner
+   (memory for particles) and grid (for all cells) are the caller's.
 */
 typedef struct {
   int   dim, alone, between, wraps[3];

@@ -37,8 +37,8 @@ typedef enum { MPM_SPLINES_MIRRORED, MPM_SPLINES_MODIFIED, MPM_SPLINES_OPEN } Mp
 extern const char *const MpmSplineEndNames[];
 
 /*
-   MpmWeights - the weights of the nodes of each particle of a block, for a kind of map: weight[d * stride + p] is that of
-   node first[p] + d. With the basis function phi_ip of node i at particle p they are
+   MpmWeights - the weights of the nodes of each particle of a block, for a kind of map: weight[d * stride + p] is that
+   of node first[p] + d. With the basis function phi_ip of node i at particle p they are
 
      P2G, G2P                        phi_ip
      P2G_AFFINE                      phi_ip (x_i - x_p) / h
@@ -64,8 +64,8 @@ typedef void (*MpmWeights)(const MpmBlock *block, PetscInt stride, PetscReal wei
    wall_nodes  - between walls there are so many nodes more than cells
    spline_ends - how functions next to walls differ from all others
    slope_sum   - a bound of h sum_i abs(dphi_ip/dx)
-   curve_sum   - a bound of h^2 sum_i abs(d2phi_ip/dx2), and of h times the sum of the slopes of DIV_MLS's weights; 0 for
-                 hats, whose slopes do not change but on nodes
+   curve_sum   - a bound of h^2 sum_i abs(d2phi_ip/dx2), and of h times the sum of the slopes of DIV_MLS's weights; 0
+                 for hats, whose slopes do not change but on nodes
    moment      - sum_i phi_ip (x_i - x_p)^2 / h^2 where it is the same at all places; 0 where it is not
    smooth      - the slopes of the functions have slopes at any place of a particle
    weights     - by kind of operation; NULL for kinds that are no map between particles and nodes, and for curves where

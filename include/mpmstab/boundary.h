@@ -17,9 +17,9 @@
                         imposed on the others. In one dimension it is MPM_FIXED.
 
    Nodes beyond a wall are mirror images of those inside, unless the basis has other functions there (MpmSplineEnds).
-   Fields that are imposed at the wall have the other sign there,
-   and all others the same sign (MpmParity). So every basis keeps its one shape, partition of unity and linear reproduction up to
-   the wall; a fixed wall's velocity is 0 at the wall itself; and LAP at a free end is 2 (f_{N-1} - f_N).
+   Fields that are imposed at the wall have the other sign there, and all others the same sign (MpmParity). So every
+   basis keeps its one shape, partition of unity and linear reproduction up to the wall; a fixed wall's velocity is 0 at
+   the wall itself; and LAP at a free end is 2 (f_{N-1} - f_N).
 E*/
 typedef enum { MPM_PERIODIC, MPM_FIXED, MPM_FIXED_REACTION, MPM_FREE, MPM_SYMMETRY } MpmEnd;
 extern const char *const MpmEndNames[], *const MpmEndSummaries[];

@@ -1,6 +1,7 @@
 /*
-   Colliders: rigid bodies that act on nodal velocities, or push particles. The contact condition of a body makes P(y) of the velocity
-   y, relative to the body, of a node inside it (docs/floors.md). Source: Stomakhin, Schroeder, Chai, Teran and Selle 2013, section 8
+   Colliders: rigid bodies that act on nodal velocities, or push particles. The contact condition of a body makes P(y)
+   of the velocity y, relative to the body, of a node inside it (docs/floors.md). Source: Stomakhin, Schroeder, Chai,
+   Teran and Selle 2013, section 8
 */
 #pragma once
 #include <mpmstab/boundary.h>
@@ -10,9 +11,9 @@
 #define MPM_COLLIDER_KEYS 3   /* the largest number of keys that a shape has */
 
 /*E
-   MpmColliderKey - what a key of a shape holds: a place (in cells once it is read), a direction (of length 1), a positive
-   length for each direction, one positive length, an angle between 0 and 90 degrees (in radians once it is read), or the
-   name of a file with a signed distance.
+   MpmColliderKey - what a key of a shape holds: a place (in cells once it is read), a direction (of length 1), a
+   positive length for each direction, one positive length, an angle between 0 and 90 degrees (in radians once it is
+   read), or the name of a file with a signed distance.
 E*/
 typedef enum {
   MPM_KEY_PLACE,
@@ -26,8 +27,8 @@ typedef enum {
 typedef struct MpmCollider_ MpmCollider;
 
 /*S
-   MpmDistance - a signed distance at the nodes of a grid: n along each direction, of which origin is the first, in cells of the scene,
-   as are spacing and value. The last direction runs fastest.
+   MpmDistance - a signed distance at the nodes of a grid: n along each direction, of which origin is the first, in
+   cells of the scene, as are spacing and value. The last direction runs fastest.
 S*/
 typedef struct {
   PetscInt   n[MPM_MAX_DIM];
@@ -56,7 +57,8 @@ typedef struct {
 
    rubs    - it can have friction
    linear  - without friction P is linear
-   pushes  - instead, a particle at the depth d has the acceleration stiffness d along the normal (a penalty); project is NULL
+   pushes  - instead, a particle at the depth d has the acceleration stiffness d along the normal (a penalty); project
+             is NULL
    project - y = P(y), and slope = dP/dy, dim rows of dim numbers, of the branch that y is on
 S*/
 typedef struct {
@@ -66,9 +68,9 @@ typedef struct {
 } MpmContact;
 
 /*S
-   MpmCollider - a body. value: of its keys, in cells; friction: Coulomb's coefficient; velocity: at the times from 0 on,
-   in units of c, linear between two of them and constant after the last; pace: c in cells per unit of the scene's time;
-   stiffness: of one that pushes, in (c / h)^2. grid: of a shape with MPM_KEY_FILE.
+   MpmCollider - a body. value: of its keys, in cells; friction: Coulomb's coefficient; velocity: at the times from 0
+   on, in units of c, linear between two of them and constant after the last; pace: c in cells per unit of the scene's
+   time; stiffness: of one that pushes, in (c / h)^2. grid: of a shape with MPM_KEY_FILE.
 S*/
 struct MpmCollider_ {
   const MpmColliderShape *shape;
@@ -89,7 +91,10 @@ typedef struct {
 extern const MpmColliderShape *const MpmColliderShapes[];
 extern const MpmContact *const       MpmContacts[];
 
-/* Not collective. Whether all that the bodies do is linear in the velocity: they are at rest, and their conditions linear. */
+/*
+   Not collective. Whether all that the bodies do is linear in the velocity: they are at rest, and their conditions
+   linear.
+*/
 PetscBool MpmCollidersAreLinear(const MpmColliders *colliders);
 
 /* Not collective. Whether a body moves at some time. */
@@ -100,7 +105,8 @@ void MpmColliderMotion(const MpmCollider *body, PetscInt dim, PetscReal time, Pe
 
 /*
    MpmCollidersPush      - adds to push what the bodies that push give a particle at x, in cells, as an acceleration in
-                           units of c^2 / h, and returns its energy per mass in units of c^2. push: NULL for the energy alone
+                           units of c^2 / h, and returns its energy per mass in units of c^2. push: NULL for the energy
+                           alone
    MpmCollidersStiffness - the sum of the stiffnesses of those bodies; 0: none pushes
 
    Not collective.

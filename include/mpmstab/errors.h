@@ -62,7 +62,10 @@ int MpmFinalize(PetscErrorCode error, int status);
 M*/
 #define MpmRefuse(...) return MpmRefusal(__VA_ARGS__)
 
-/* Collective. Refuses as MpmRefuse does, and gives the error to a function that has to free something before it returns. */
+/*
+   Collective. Refuses as MpmRefuse does, and gives the error to a function that has to free something before it
+   returns.
+*/
 #define MpmRefusal(...) (MpmErrorsRefuse(__LINE__, PETSC_FUNCTION_NAME, __FILE__, __VA_ARGS__), PETSC_ERR_USER_INPUT)
 void MpmErrorsRefuse(int line, const char function[], const char file[], const char format[], ...)
     __attribute__((format(printf, 4, 5)));

@@ -25,7 +25,8 @@
    MPM_P2G_AFFINE - node = a sum_p phi_ip m_p particle (x_i - x_p) / h
    MPM_DIV        - node = a h sum_p dphi_ip/dx V_p particle, the adjoint of GRAD
    MPM_DIV_MLS    - node = a sum_p phi_ip (x_i - x_p) h / D_p V_p particle, the adjoint of GRAD_MLS
-   MPM_CURVE      - node = a h^2 sum_p d2phi_ip/dx_b dx_c V_p particle: the force that a prestress makes of displacements
+   MPM_CURVE      - node = a h^2 sum_p d2phi_ip/dx_b dx_c V_p particle: the force that a prestress makes of
+                    displacements
    MPM_CURVE_MLS  - the same with the slopes along c of the weights that DIV_MLS has along b
 
    From nodes to particles. These always accumulate:
@@ -42,14 +43,16 @@
 
    On particles, at finite deformation (table_finite.c); dst and src are the first registers of theirs:
    MPM_STRESS     - tau = tau(F), the Kirchhoff stress of the material in units of rho0 c0^2, times E_p
-   MPM_VISCOUS    - tau += the viscous stress of the velocity's slopes L, which are src (MpmMaterialViscous); a is rho c^2 / (rho0 c0^2)
-   MPM_STRESS_AHEAD - T = P(A F) F^T with A = I + a L, P the nominal stress: the stress at a part a of a step with the slopes L,
-                    brought back to its start (scheme/deform.h); L is src, and T has dim rows of dim numbers
-   MPM_LOAD       - b = the body force per mass at the particle's place at rest, in units of c^2 / h, at a part a of the step
+   MPM_VISCOUS    - tau += the viscous stress of the velocity's slopes L, which are src (MpmMaterialViscous); a is rho
+                    c^2 / (rho0 c0^2)
+   MPM_STRESS_AHEAD - T = P(A F) F^T with A = I + a L, P the nominal stress: the stress at a part a of a step with the
+                    slopes L, brought back to its start (scheme/deform.h); L is src, and T has dim rows of dim numbers
+   MPM_LOAD       - b = the body force per mass at the particle's place at rest, in units of c^2 / h, at a part a of the
+                    step
    MPM_STRETCH    - F <- (I + L + a L L) F, a the factor: 0, or 1/2 in steps of several stages
    MPM_RETURN     - F and the internal variables after it <- what MpmMaterialReturn makes of them; src is dst
-   MPM_ADVANCE    - x_p += particle, in cells. The maps after it are those of the new places. Particles are then at a part a of the
-                    step: 1 at its end
+   MPM_ADVANCE    - x_p += particle, in cells. The maps after it are those of the new places. Particles are then at a
+                    part a of the step: 1 at its end
 
    On particles, and on nodes. f is another field; a COPY may also be of a node field to itself, which multiplies it:
    MPM_SCALE      - particle *= a
@@ -57,12 +60,13 @@
    MPM_LAP        - node = a (f_{i+1} - 2 f_i + f_{i-1})
    MPM_COPY       - node = a f
    MPM_SOLVE      - node = a (P W)^+ f with P = P2G and W = G2P: the least y whose P2G G2P is f
-   MPM_IMPLICIT   - node = (1 + a K)^-1 node of a vector, K = DIV STRESS GRAD, whose lines are a table of its own (table.h). There
-                    is an operation for each component, one after the other, with axis as the number of the component: the
-                    first of them solves for all, so that interpreters pass over the others. At finite deformation it is the
-                    a_i with a_i = f(a_i), where the table of its own has the lines of f (MpmTable).
-   MPM_COLLIDE    - node += component axis of P(u) - u at the nodes inside colliders, P what they make of a velocity; src is
-                    that component of u, whose others are next to it
+   MPM_IMPLICIT   - node = (1 + a K)^-1 node of a vector, K = DIV STRESS GRAD, whose lines are a table of its own
+                    (table.h). There is an operation for each component, one after the other, with axis as the number of
+                    the component: the first of them solves for all, so that interpreters pass over the others. At
+                    finite deformation it is the a_i with a_i = f(a_i), where the table of its own has the lines of f
+                    (MpmTable).
+   MPM_COLLIDE    - node += component axis of P(u) - u at the nodes inside colliders, P what they make of a velocity;
+                    src is that component of u, whose others are next to it
    MPM_WALL       - node = a f at the wall node of one end (side) alone
    MPM_LOCAL      - node -= a abs(node) sign(f), which is not linear
    MPM_DRIFT      - x_p += U0 dt
@@ -71,11 +75,12 @@
    MPM_FILTER     - particle = F particle, with the node field P2G of it: how the transfer renews particles
    MPM_FILTER_BEFORE, MPM_FILTER_AFTER - the same where the filter of the space is before, or after the step takes the
                     nodal values of the field; nothing where it is not
-   MPM_MOVE       - x += a k sum_i phi_ip node, x the displacement of particles in cells: with a prestress alone, else nothing.
-                    Node fields whose sum is the grid's velocity have one each, and a is the share of each.
+   MPM_MOVE       - x += a k sum_i phi_ip node, x the displacement of particles in cells: with a prestress alone, else
+                    nothing. Node fields whose sum is the grid's velocity have one each, and a is the share of each.
    MPM_MOVE_PROJECTED - takes the place of all MOVE where particles move with the projected velocity
-   MPM_MOVE_TO    - x = x of the start of the step + a k sum_i phi_ip node, in the middle of a step, at finite deformation: the maps
-                    after it are those of the new places. DRIFT then starts from there, too. At small strain nothing
+   MPM_MOVE_TO    - x = x of the start of the step + a k sum_i phi_ip node, in the middle of a step, at finite
+                    deformation: the maps after it are those of the new places. DRIFT then starts from there, too. At
+                    small strain nothing
    MPM_IMPOSE     - node = 0 at fixed ends
    MPM_REACT      - node = 0 at fixed ends, or the reaction of the wall: its new value minus its value before the wall
                     was imposed
@@ -151,9 +156,9 @@ typedef struct {
 MpmOpTraits MpmOpTraitsOf(MpmOpKind kind);
 
 /*
-   Axes - the direction or the two directions that an operation acts along, as one number: an axis stands for itself, and
-   two different ones for a number from MPM_MAX_DIM on. The second derivative along b and c has axes (b, c); with the
-   weights of DIV_MLS b is the direction of these, and c that of their slope.
+   Axes - the direction or the two directions that an operation acts along, as one number: an axis stands for itself,
+   and two different ones for a number from MPM_MAX_DIM on. The second derivative along b and c has axes (b, c); with
+   the weights of DIV_MLS b is the direction of these, and c that of their slope.
 
    Not collective. MpmAxes makes the number, MpmAxesFirst and MpmAxesSecond take it apart.
 */
@@ -172,8 +177,8 @@ static inline PetscInt MpmAxesSecond(PetscInt axes)
 }
 
 /*
-   MpmKindAlong - the kind of operation whose weights a map has along one direction: the weights of a map are products of
-   those over the directions. It is P2G, with the weights phi_ip, in directions that the map does not act along.
+   MpmKindAlong - the kind of operation whose weights a map has along one direction: the weights of a map are products
+   of those over the directions. It is P2G, with the weights phi_ip, in directions that the map does not act along.
 
    Not collective. MpmKindAlongOfTwo is MpmKindAlong for two different axes.
 */
@@ -325,13 +330,13 @@ typedef struct MpmWritten_ MpmWritten;
    name, summary, reference - the word of the option formulation, a line about it, and its source
    particle_fields, node_fields - the names of the fields, NULL-terminated
    particle_ranks, node_ranks - what each field is: a number, a vector or a stress
-   scratch         - scratch[f]: particle field f is set anew in each pass over the particles that reads it, so that no step
-                     finds it. It is no part of the state.
+   scratch         - scratch[f]: particle field f is set anew in each pass over the particles that reads it, so that no
+                     step finds it. It is no part of the state.
    nops, ops       - the table of operations on fields. MpmTableCreate writes it out for the components of fields.
    options         - the options that the formulation reads, NULL-terminated
    move_share      - the usual share of the new velocity in that which particles move with, where it reads that option
-   lines           - writes the table that the numbers ask for, with a transfer, and returns its length; NULL: the table is
-                     ops. Ask MpmFormulationLines.
+   lines           - writes the table that the numbers ask for, with a transfer, and returns its length; NULL: the table
+                     is ops. Ask MpmFormulationLines.
    staggered       - the particle field that is updated first in a step, or MPM_NONE. It lags half a step in a start of
                      second order.
    affine          - the particle field that a transfer with an affine part gives one to, or MPM_NONE
@@ -340,7 +345,8 @@ typedef struct MpmWritten_ MpmWritten;
    materials       - particles may differ in density and stiffness
    nenergy, energy - the terms of the energy
    wave            - the continuous problem
-   like            - like[n]: 1 + the node field whose mirror images node field n has, too; 0: its own, which IMPOSE gives
+   like            - like[n]: 1 + the node field whose mirror images node field n has, too; 0: its own, which IMPOSE
+                     gives
    written         - the text that the scheme was made from; NULL for one of MpmFormulations
    transfer        - the transfer that this text has; NULL: it has none
    published       - abs(G) at a phase as the slides print it, NaN where the formula says nothing; NULL where the slides
@@ -354,12 +360,13 @@ typedef struct MpmWritten_ MpmWritten;
    published_text, corrected_text, limit_text - the formulas as text
    quiet           - the Courant number up to which no step on a frozen grid with these symbols raises the energy of the
                      particles, where the transfer is quiet, too (docs/theory.md, section 12); NULL: none is known
-   mls_bound       - with apic and gradient mls no layout at rest grows up to k = 2 sqrt(D / chi) (docs/theory.md, section 4)
+   mls_bound       - with apic and gradient mls no layout at rest grows up to k = 2 sqrt(D / chi) (docs/theory.md,
+                     section 4)
    leftmost        - with transfers that have leftmost too, particles at rest grow by real eigenvalues below -1 alone
                      (docs/theory.md, section 5)
-   step_bound      - w: no layout at rest, and no material, grows up to the Courant number w / sqrt(lambda), lambda the largest
-                     eigenvalue of M^-1 K on it with k = 1. Infinite: none grows at all. 0: that is not known with these
-                     numbers and this transfer; NULL: with none (docs/theory.md, section 4)
+   step_bound      - w: no layout at rest, and no material, grows up to the Courant number w / sqrt(lambda), lambda the
+                     largest eigenvalue of M^-1 K on it with k = 1. Infinite: none grows at all. 0: that is not known
+                     with these numbers and this transfer; NULL: with none (docs/theory.md, section 4)
 
    Each of published, corrected, limit, wave and energy is optional (NULL; nenergy 0). Without it nothing is compared
    with a closed form or an exact solution, runs start from random data or an eigenmode, and their growth is that of the
@@ -407,8 +414,8 @@ const MpmFormulation *MpmFormulationFind(const char name[]);
 PetscBool MpmFormulationKeepsUnseen(const MpmFormulation *formulation);
 
 /*
-   MpmFormulationLines - the table of operations of a formulation with a transfer and numbers (NULL: flip, the defaults).
-   room has the lines of those that write them.
+   MpmFormulationLines - the table of operations of a formulation with a transfer and numbers (NULL: flip, the
+   defaults). room has the lines of those that write them.
 
    Not collective.
 */

@@ -43,7 +43,8 @@ typedef struct {
 /*E
    MpmBalance - how the cells are shared among ranks.
 
-   MPM_BALANCE_AUTO      - as particles where some rank would have 1.25 times the mean otherwise, and none move; else as cells
+   MPM_BALANCE_AUTO      - as particles where some rank would have 1.25 times the mean otherwise, and none move; else as
+                           cells
    MPM_BALANCE_CELLS     - each rank has as many cells
    MPM_BALANCE_PARTICLES - each rank has as many particles at the start
 E*/
@@ -68,8 +69,8 @@ typedef struct {
 } MpmSpan;
 
 /*S
-   MpmGiven - particles whose places a CSV or HDF5 file gives, or random numbers. Particle id of a file is that of line id + 2;
-   every rank has all of them.
+   MpmGiven - particles whose places a CSV or HDF5 file gives, or random numbers. Particle id of a file is that of line
+   id + 2; every rank has all of them.
 
    path      - the file; of_steps: it is field output, whose last step is taken
    random    - the places are random; path is the word for it
@@ -101,10 +102,10 @@ typedef struct {
 /*S
    MpmLayout - a grid and the particles that rest in it. Lengths are in cells. Arrays have one entry for each direction.
 
-   In each direction, particle j of the n in cell i rests at i + (j + offset + jitter (r - 1/2)) / n, where r in [0,1) is
-   hashed from seed and the number of the site; cluster then squeezes the places of a cell together. The particles of a
-   cell are on the grid that is the product of those of the directions. Particles of a file are displaced by
-   jitter (r - 1/2) / n cells, with r hashed from seed and id.
+   In each direction, particle j of the n in cell i rests at i + (j + offset + jitter (r - 1/2)) / n, where r in [0,1)
+   is hashed from seed and the number of the site; cluster then squeezes the places of a cell together. The particles of
+   a cell are on the grid that is the product of those of the directions. Particles of a file are displaced by jitter
+   (r - 1/2) / n cells, with r hashed from seed and id.
 
    Sites fill all cells. In one dimension they are numbered cell by cell. In more, a site has a number in each
    direction, and its number is that of its place in the box of all sites, direction 0 first. Particles take the sites
@@ -156,7 +157,10 @@ typedef struct {
   const MpmColliders *colliders;
 } MpmLayout;
 
-/* Not collective. The numbers of cells and nodes of the grid, and of the sites in the fullest cell, over all directions. */
+/*
+   Not collective. The numbers of cells and nodes of the grid, and of the sites in the fullest cell, over all
+   directions.
+*/
 static inline PetscInt64 MpmLayoutCells(const MpmLayout *layout)
 {
   PetscInt64 cells = 1;
@@ -180,7 +184,8 @@ static inline PetscInt MpmLayoutPpc(const MpmLayout *layout)
 }
 
 /*
-   Not collective. The number of particles of a line along direction a that rest in the cells before a cell, without jitter.
+   Not collective. The number of particles of a line along direction a that rest in the cells before a cell, without
+   jitter.
 */
 PetscInt64 MpmLayoutParticlesBefore(const MpmLayout *layout, PetscInt a, PetscInt cell);
 
@@ -208,8 +213,8 @@ static inline PetscBool MpmLayoutIsScattered(const MpmLayout *layout)
 PetscBool MpmLayoutIsUniform(const MpmLayout *layout);
 
 /*
-   Not collective. Gives every cell ppc particles in each direction, of width 1 / ppc. The layout's pattern must have one
-   cell.
+   Not collective. Gives every cell ppc particles in each direction, of width 1 / ppc. The layout's pattern must have
+   one cell.
 */
 void MpmLayoutSetPpc(MpmLayout *layout, PetscInt ppc);
 

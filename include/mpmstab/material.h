@@ -43,8 +43,8 @@ extern const char *const MpmPlasticNames[];
    mu, lambda - Lame's moduli at rest, of solids; lambda + 2 mu is 1 in the units of this header
    exponent   - n of fluids whose pressure is a power of density
    plastic    - the numbers that the law reads
-   viscosity  - of a law with a viscous stress its largest viscosity, in units of rho c h; c is the speed of small waves where a
-                run starts from, and rho c^2 their modulus
+   viscosity  - of a law with a viscous stress its largest viscosity, in units of rho c h; c is the speed of small waves
+                where a run starts from, and rho c^2 their modulus
    artificial - the numbers C1 and C2 of the artificial viscosity, or 0
    several    - the materials of particles that are of several; law is then MpmLawSeveral. NULL: they are of this one
 S*/
@@ -55,11 +55,12 @@ typedef struct {
 } MpmMaterialNumbers;
 
 /*S
-   MpmMaterials - several materials of one run. Each particle has the internal variables of all of them, of which its own law
-   reads its own, and after them the number of its material, which is an internal variable, too: 'material'.
+   MpmMaterials - several materials of one run. Each particle has the internal variables of all of them, of which its
+   own law reads its own, and after them the number of its material, which is an internal variable, too: 'material'.
 
    n, of    - the materials
-   internal - the laws that have an internal variable of a name, each name once; slot[i]: which of them is that of material i
+   internal - the laws that have an internal variable of a name, each name once; slot[i]: which of them is that of
+              material i
    outside  - one of the laws has the internal variable e_out
 S*/
 struct MpmMaterials_ {
@@ -99,9 +100,9 @@ typedef struct {
    exponent  - the default of the option exponent; 0: the law has none
    stress, tangent, energy - see MpmMaterialStress, MpmMaterialTangent and MpmMaterialEnergy
    modulus   - MpmMaterialModulus from the largest eigenvalue and the trace of B = F F^T, and J
-   stretched - of a solid with the stretches F[a] along the axes, J times the stiffness that small strains about this state
-               feel. It is isotropic, with lambda and mu, but for a factor q[a] for each index a. NULL where it has no such
-               form: schemes that are linear about a stretched state then have no such material.
+   stretched - of a solid with the stretches F[a] along the axes, J times the stiffness that small strains about this
+               state feel. It is isotropic, with lambda and mu, but for a factor q[a] for each index a. NULL where it
+               has no such form: schemes that are linear about a stretched state then have no such material.
    number    - the numbers that the law reads (usual, or what an option says), and their range; others have reads false
    viscous   - adds the viscous stress of the velocity's gradient L, and its differential along dL sets dtau; see
                MpmMaterialViscous for the units. NULL: the law has none
@@ -131,17 +132,19 @@ struct MpmLaw_ {
 };
 
 /*
-   The laws; MpmLaws lists all of them and ends with NULL. J is det F, B is F F^T, V is sqrt(B), E is (F^T F - I) / 2, and tau
-   is the Kirchhoff stress, J times the true stress.
+   The laws; MpmLaws lists all of them and ends with NULL. J is det F, B is F F^T, V is sqrt(B), E is (F^T F - I) / 2,
+   and tau is the Kirchhoff stress, J times the true stress.
 
-     MpmLawLinear     - linear in the stretch: tau = (2 mu (V - I) + lambda tr(V - I) I) V. With dim 1 the nominal stress is
+     MpmLawLinear     - linear in the stretch: tau = (2 mu (V - I) + lambda tr(V - I) I) V. With dim 1 the nominal
+                        stress is
                         F - 1. It is the corotated material of Stomakhin et al. (2012), equation 1.
      MpmLawNeo        - compressible neo-Hookean: tau = mu (B - I) + lambda ln J I
      MpmLawSvk        - Saint Venant and Kirchhoff: tau = F (lambda tr E I + 2 mu E) F^T
      MpmLawTait       - a liquid: tau = -J p I with the pressure p = (J^-n - 1) / n
      MpmLawGas        - a gas at constant temperature: p = 1 / J
      MpmLawPolytropic - a gas whose pressure grows with a power of density: p = J^-n / n
-     MpmLawHerschelBulkley - a liquid with the pressure of tait and a viscous stress: it flows where its shear is beyond a yield stress
+     MpmLawHerschelBulkley - a liquid with the pressure of tait and a viscous stress: it flows where its shear is beyond
+                             a yield stress
 
    Those that flow (plastic.c):
 
@@ -192,16 +195,16 @@ const MpmMaterialNumbers *MpmMaterialAt(const MpmMaterialNumbers *material, Pets
                                         PetscInt p);
 
 /*
-   MpmMaterialsAdd - the number of a material among several, to which it is added where it is not one of them; MPM_MOST_MATERIALS:
-   there are too many materials, or too many internal variables.
+   MpmMaterialsAdd - the number of a material among several, to which it is added where it is not one of them;
+   MPM_MOST_MATERIALS: there are too many materials, or too many internal variables.
 
    Not collective.
 */
 PetscInt MpmMaterialsAdd(MpmMaterials *materials, const MpmMaterialNumbers *material);
 
 /*
-   MpmMaterialReturn - lets n particles flow: from the trial value of F and their internal variables to those on the yield
-   surface, where the trial value is beyond it.
+   MpmMaterialReturn - lets n particles flow: from the trial value of F and their internal variables to those on the
+   yield surface, where the trial value is beyond it.
 
    Not collective. Particles within the surface stay as they are, to the last bit. F: as in MpmMaterialStress.
 */
@@ -215,8 +218,8 @@ typedef enum { MPM_BRANCH_OWN, MPM_BRANCH_LOADING, MPM_BRANCH_UNLOADING } MpmBra
 extern const char *const MpmBranchNames[];
 
 /*
-   MpmMaterialReturnTangent - the differential of MpmMaterialReturn at the trial value F along dF: the consistent tangent
-   of Simo and Taylor (1985), with that of the stress.
+   MpmMaterialReturnTangent - the differential of MpmMaterialReturn at the trial value F along dF: the consistent
+   tangent of Simo and Taylor (1985), with that of the stress.
 
    Not collective. Returns how many particles stand on the yield surface, where the branch decides.
 */
@@ -250,25 +253,25 @@ void MpmMaterialEnergy(const MpmMaterialNumbers *material, PetscInt dim, PetscIn
                        PetscReal psi[]);
 
 /*
-   MpmMaterialViscous - adds to tau what depends on the velocity's gradient L: the viscous stress of the law, and the artificial
-   viscosity of von Neumann and Richtmyer (1950), in compression alone:
+   MpmMaterialViscous - adds to tau what depends on the velocity's gradient L: the viscous stress of the law, and the
+   artificial viscosity of von Neumann and Richtmyer (1950), in compression alone:
 
      tau += rho (C1 c_p tr D - C2 (tr D)^2) I   where tr D < 0, D = sym L,   c_p the speed of MpmMaterialModulus
 
-   Not collective. L has dim * dim arrays, in units of c / h, with h the width of a cell. unit: rho c^2 / (rho0 c0^2). F: as in
-   MpmMaterialStress. of: mass, volume and stiffness of the particles, each NULL where all are alike. Returns the largest
-   C1 c_p rho + 2 C2 rho abs(tr D) of particles that are compressed, in units of rho c h: the viscosity that a small change of
-   the volume's rate feels.
+   Not collective. L has dim * dim arrays, in units of c / h, with h the width of a cell. unit: rho c^2 / (rho0 c0^2).
+   F: as in MpmMaterialStress. of: mass, volume and stiffness of the particles, each NULL where all are alike. Returns
+   the largest C1 c_p rho + 2 C2 rho abs(tr D) of particles that are compressed, in units of rho c h: the viscosity that
+   a small change of the volume's rate feels.
 */
 PetscReal MpmMaterialViscous(const MpmMaterialNumbers *material, PetscReal unit, PetscInt dim, PetscInt n,
                              const PetscReal *const L[], const PetscReal *const F[], const PetscReal *const of[3],
                              PetscReal *const tau[]);
 
 /*
-   MpmMaterialModulus - rho0 c^2, where c is the speed of the fastest P waves along a principal direction of stretch: that in
-   which the material is stretched most, but for those that flow. These are the waves in which it does not flow.
+   MpmMaterialModulus - rho0 c^2, where c is the speed of the fastest P waves along a principal direction of stretch:
+   that in which the material is stretched most, but for those that flow. These are the waves in which it does not flow.
 
-   Not collective. F has the numbers of MpmMaterialComponents. With dim 1 the modulus is F^2 dP/dF, where P is the nominal stress. It is not
-   positive where such waves do not travel.
+   Not collective. F has the numbers of MpmMaterialComponents. With dim 1 the modulus is F^2 dP/dF, where P is the
+   nominal stress. It is not positive where such waves do not travel.
 */
 PetscReal MpmMaterialModulus(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[]);

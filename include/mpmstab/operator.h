@@ -13,11 +13,11 @@
 
    layout, scheme, step - as given to MpmOperatorCreate; layout and scheme are NULL for a matrix that was given
    assembled - A is a parallel AIJ matrix: in one dimension, and in more up to order MPM_MATRIX_ORDER. Else it is a
-              MATSHELL, with products A x and A^T x, and exponent is 0. A step couples a particle to all those that share
-              a node with it, and in three dimensions a matrix would not fit.
-   A        - the matrix, or the shell; the operator is A times 2^exponent, so that long periods of unstable schemes stay in range.
-              The state is numbered particle by particle: row = fields x global id + field, in the units of docs/theory.md. A
-              rank holds the particles that rest in its part of the cells.
+              MATSHELL, with products A x and A^T x, and exponent is 0. A step couples a particle to all those that
+              share a node with it, and in three dimensions a matrix would not fit.
+   A        - the matrix, or the shell; the operator is A times 2^exponent, so that long periods of unstable schemes
+              stay in range. The state is numbered particle by particle: row = fields x global id + field, in the units
+              of docs/theory.md. A rank holds the particles that rest in its part of the cells.
    balanced - D A D^-1, the operator in variables whose squares add up to the energy. Where masses or stiffnesses differ
               by orders of magnitude, A is badly scaled, and rounding spoils its eigenvalues. Where particles are alike,
               balanced is A.
@@ -63,11 +63,11 @@ PetscErrorCode MpmOperatorDestroy(MpmOperator **op);
    MpmOperatorFromMatrix - makes an operator of a square matrix, wherever it comes from, that covers so many steps. All
    that an operator is asked is then asked of it, but for what needs a scene: p2g, MpmOperatorMismatch.
 
-   Collective. The operator keeps a reference to A, which is AIJ and has every entry of its diagonal, if only as 0, or is a
-   MATSHELL with products and an infinity norm. It is destroyed with MpmOperatorDestroy. balanced is
-   D A D^-1 with powers of two for D that make rows and columns of about the same size (Parlett and Reinsch 1969), where
-   this divides the norm of A by more than 4: in SI units a stress is 1e9 times a strain, and rounding would hide what
-   strains do. Of a shell it is A, and nonzeros and bytes are NaN.
+   Collective. The operator keeps a reference to A, which is AIJ and has every entry of its diagonal, if only as 0, or
+   is a MATSHELL with products and an infinity norm. It is destroyed with MpmOperatorDestroy. balanced is D A D^-1 with
+   powers of two for D that make rows and columns of about the same size (Parlett and Reinsch 1969), where this divides
+   the norm of A by more than 4: in SI units a stress is 1e9 times a strain, and rounding would hide what strains do. Of
+   a shell it is A, and nonzeros and bytes are NaN.
 */
 PetscErrorCode MpmOperatorFromMatrix(Mat A, PetscInt period, MpmOperator **op);
 

@@ -1,10 +1,10 @@
 /*
-   Plugin: what a shared library exports so that mpmstab can probe the step of a code (option plugin). The library stands
-   alone: this header needs nothing of mpmstab, and the library is not linked with it.
+   Plugin: what a shared library exports so that mpmstab can probe the step of a code (option plugin). The library
+   stands alone: this header needs nothing of mpmstab, and the library is not linked with it.
 
-   Each rank of mpmstab starts a process for the library, and calls its functions there one after another, never at the same
-   time. If they end this process, or do not come back within program_timeout, mpmstab says so and ends. What they print is
-   shown when they fail. Their standard input is empty.
+   Each rank of mpmstab starts a process for the library, and calls its functions there one after another, never at the
+   same time. If they end this process, or do not come back within program_timeout, mpmstab says so and ends. What they
+   print is shown when they fail. Their standard input is empty.
 */
 #pragma once
 #include <stdint.h>
@@ -37,18 +37,19 @@ int mpmstab_set(const char name[], double value);
 int mpmstab_step(int steps, int64_t particles, double state[]);
 
 /*
-   mpmstab_scene - needed if the description has "scenes": true: makes the base state of particles that mpmstab chooses, and the grid for
-   them. Later steps are of these particles, or of another number of them.
+   mpmstab_scene - needed if the description has "scenes": true: makes the base state of particles that mpmstab chooses,
+   and the grid for them. Later steps are of these particles, or of another number of them.
 
-   Input Parameters: message - the line of JSON; particles - their number; period - of the grid in each direction, 0: none;
+   Input Parameters: message - the line of JSON; particles - their number; period - of the grid in each direction, 0:
+   none;
    given - for each particle its place, volume and mass. Output Parameter: state - particles x numbers.
    Returns: 0, or another number when the code cannot take them.
 */
 int mpmstab_scene(const char message[], int64_t particles, const double period[], const double given[], double state[]);
 
 /*
-   mpmstab_reset - needed if the description has "reset": true. It is then called before mpmstab_step, and forgets all that
-   the code keeps besides the state, as if the library were loaded anew.
+   mpmstab_reset - needed if the description has "reset": true. It is then called before mpmstab_step, and forgets all
+   that the code keeps besides the state, as if the library were loaded anew.
 */
 void mpmstab_reset(void);
 

@@ -14,8 +14,8 @@ extern const char *const MpmKinematicsNames[];
 typedef struct MpmScene_ MpmScene;
 
 /*
-   MpmBodyForce - a force per mass, in length / time^2, on the particle that rests at X at time t. X and force have a number
-   for each direction.
+   MpmBodyForce - a force per mass, in length / time^2, on the particle that rests at X at time t. X and force have a
+   number for each direction.
 
    Not collective.
 */
@@ -38,10 +38,10 @@ extern const char *const MpmStepBoundNames[];
    density              - of the material; 0: not given, and nothing depends on it
    physical             - the user gave units: density, a modulus, sound_speed, cell_width or dt
    has_step             - the user gave a time step or a Courant number; else they are those of the default
-   safety               - 0: all steps are alike. Else a run chooses each step, and takes this part of the largest stable one;
-                          step and dt are then those of the default Courant number.
-   step_bound, watched  - the bound of the largest stable step that such a run takes; watched: with a number for courant, the steps
-                          of a run are compared with it
+   safety               - 0: all steps are alike. Else a run chooses each step, and takes this part of the largest
+                          stable one; step and dt are then those of the default Courant number.
+   step_bound, watched  - the bound of the largest stable step that such a run takes; watched: with a number for
+                          courant, the steps of a run are compared with it
    initial, mode, amplitude - the initial data, the number of waves of their Fourier mode in each direction, and their
                           size. With initial data eigenmode mode[0] is the number of the eigenvector.
    polarisation         - which way the material moves in a mode
@@ -51,11 +51,11 @@ extern const char *const MpmStepBoundNames[];
                           the prestress (MpmSpace) and the wave speed in the stretched state.
    lame_ratio, exponent - lambda / mu of neo, and the exponent of tait and polytropic
    plastic              - the numbers of the material, in the units that the user gave
-   gravity, body_force - at finite deformation, forces per mass: uniform, in length / time^2; and one that depends on place
-                          and time, or NULL
+   gravity, body_force - at finite deformation, forces per mass: uniform, in length / time^2; and one that depends on
+                          place and time, or NULL
    colliders, bodies      - the rigid bodies of the layout, and those of its particles, as text; "" without any
-   grid_damping, viscosity, shear_viscosity, bulk_viscosity - alpha per time, and the viscosities, in the units that the user gave: those of
-                          the scene where it is physical, else c / h and rho c h
+   grid_damping, viscosity, shear_viscosity, bulk_viscosity - alpha per time, and the viscosities, in the units that the
+                          user gave: those of the scene where it is physical, else c / h and rho c h
    artificial           - C1 and C2 of the artificial viscosity
    scheme_hash, parameters - what tells the written scheme from others, and the values of its parameters; "" without one
 S*/
@@ -156,10 +156,15 @@ static inline PetscBool MpmSceneIsFull(const MpmScene *scene)
   return MpmLayoutIsFull(&scene->layout);
 }
 
-/* Not collective. Whether Poisson's ratio counts: the formulation has a stress, and there is more than one dimension. */
+/*
+   Not collective. Whether Poisson's ratio counts: the formulation has a stress, and there is more than one dimension.
+*/
 PetscBool MpmSceneHasPoisson(const MpmScene *scene);
 
-/* Not collective. Whether pic_filter counts: the formulation has both places for a filter, and the transfer has a filter. */
+/*
+   Not collective. Whether pic_filter counts: the formulation has both places for a filter, and the transfer has a
+   filter.
+*/
 PetscBool MpmSceneChoosesFilter(const MpmScene *scene);
 
 /*
@@ -171,9 +176,9 @@ PetscBool MpmSceneChoosesFilter(const MpmScene *scene);
 PetscBool MpmSceneHasExact(const MpmScene *scene);
 
 /*
-   MpmSceneErrorFields - returns the number of the fields that have an error against the exact solution, and their names:
-   the particle fields, and at finite strain also the places, x, y and z. Of a gas the density, rho, takes the place of
-   places and F.
+   MpmSceneErrorFields - returns the number of the fields that have an error against the exact solution, and their
+   names: the particle fields, and at finite strain also the places, x, y and z. Of a gas the density, rho, takes the
+   place of places and F.
 
    Not collective. The scene must have an exact solution. name has room for MPM_MOST_ERRORS.
 */

@@ -38,8 +38,8 @@ typedef struct {
 } MpmStep;
 
 /*
-   Not collective. The number of terms of a scheme's energy. About a prestressed state of a solid, in more dimensions, there
-   is none: the energy of a rotation in it is not in the stress that particles have.
+   Not collective. The number of terms of a scheme's energy. About a prestressed state of a solid, in more dimensions,
+   there is none: the energy of a rotation in it is not in the stress that particles have.
 */
 static inline PetscInt MpmSchemeEnergyTerms(const MpmScheme *scheme)
 {

@@ -11,22 +11,22 @@ typedef enum { MPM_BOUND_LONE = 1, MPM_BOUND_PARTICLE = 2, MPM_BOUND_LANCZOS = 4
 
 /*S
    MpmStepBounds - Courant numbers up to which no state of the particles at rest, where they are, grows. M^-1 K is the
-   operator of the nodes, K = sum_p V_p B_p^T C B_p with the moduli and volumes of now, M the lumped masses. lambda is its
-   largest eigenvalue with k = 1, and each bound is factor / sqrt(of a bound of lambda).
+   operator of the nodes, K = sum_p V_p B_p^T C B_p with the moduli and volumes of now, M the lumped masses. lambda is
+   its largest eigenvalue with k = 1, and each bound is factor / sqrt(of a bound of lambda).
 
    why_not  - why there is none; NULL: there is
    factor   - the formulation's step_bound
    lone     - as if each particle were alone: 0 where one has a slope at a node that it gives no mass to
    particle - with the nodal masses split between particles as V_p abs(grad S_ip); swept: the best after further sweeps
    lanczos  - by products with a random vector: it is above the limit with a probability of chance at most
-   lone_at, particle_at - the particle that decides, and its place in cells; value: NULL, or by id room for lambda of each
-              particle, of which a rank sets its own
+   lone_at, particle_at - the particle that decides, and its place in cells; value: NULL, or by id room for lambda of
+              each particle, of which a rank sets its own
    nodes    - the nodal unknowns
    products - how many were taken
    moduli   - NULL: those at rest; else E_p of each of this rank's particles, the square of its wave speed over c
-   form     - bounds of the largest eigenvalues of M^-1 sum_p V_p (tr D)^2 and M^-1 sum_p V_p D : D, where damping or viscosity depends
-              on them: by products where lanczos was asked for, else as particle. The bounds are those without damping and
-              viscosity: see MpmStepLoss
+   form     - bounds of the largest eigenvalues of M^-1 sum_p V_p (tr D)^2 and M^-1 sum_p V_p D : D, where damping or
+              viscosity depends on them: by products where lanczos was asked for, else as particle. The bounds are those
+              without damping and viscosity: see MpmStepLoss
    kinds, sweeps, chance, seed - what was asked for; kinds: a sum of MpmBoundKind; seed: of the random vector
 
    Source: docs/theory.md, section 4.
@@ -48,9 +48,9 @@ typedef struct {
 } MpmStepBounds;
 
 /*
-   MpmStepLoss     - the part of any velocity that damping and viscosity take at most in the time h / c. artificial: the largest artificial
-                     viscosity at any particle (MpmMaterialViscous). A material's own viscosity, and its slope where it thickens, are at
-                     most its largest one times 1, or times the power of the rate
+   MpmStepLoss     - the part of any velocity that damping and viscosity take at most in the time h / c. artificial: the
+                     largest artificial viscosity at any particle (MpmMaterialViscous). A material's own viscosity, and
+                     its slope where it thickens, are at most its largest one times 1, or times the power of the rate
    MpmStepWithLoss - the k with (k / limit)^2 + k loss / 2 = 1: a limit, with what the loss makes of it
 
    Not collective. Source: docs/floors.md.

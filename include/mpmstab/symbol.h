@@ -27,7 +27,8 @@ typedef struct {
    conjugate ones. They are one class, of which only the phase with the least number is computed. In one dimension these
    are the phases up to pi.
 
-   layout, scheme, step - as given to MpmSymbolCreate. layout and scheme are NULL where the matrices come from elsewhere.
+   layout, scheme, step - as given to MpmSymbolCreate. layout and scheme are NULL where the matrices come from
+                          elsewhere.
    wish         - what was asked for
    dim          - the number of directions
    phases, all  - the number of phases in each direction, and their product
@@ -52,9 +53,10 @@ typedef struct {
    per_phase    - per_phase[i]: the growth of class first + i
    without_null - without_null[i]: the growth of class first + i without the null space of P2G, which is particle data
                   that no node feels. Left out are the amplification factors nearest to 1, or nearest to the transfer's
-                  null_factor where a filter acts on the field. Of a field they are all but so many as nodes have numbers
-                  of it: 1 for a number, dim for a vector with its affine part, and dim for a stress, whose forces are a
-                  vector. NULL where a period has more than one step, and for transfers without null_factor.
+                  null_factor where a filter acts on the field. Of a field they are all but so many as nodes have
+                  numbers of it: 1 for a number, dim for a vector with its affine part, and dim for a stress, whose
+                  forces are a vector. NULL where a period has more than one step, and for transfers without
+                  null_factor.
    factors      - NULL unless kept. factors[2 (size i + j)] and the next number are the real and the imaginary part of
                   amplification factor j of class first + i, divided by 2^exponents[i].
    exponents    - see factors
@@ -83,8 +85,8 @@ PetscErrorCode MpmSymbolCheck(const MpmLayout *layout);
 /*
    MpmSymbolCreate - computes the symbol of a scheme on a layout, with the Courant number and the drift of step.
 
-   MpmSymbolsCreate - the symbols at n Courant numbers in the place of step's. Each is the same as by MpmSymbolCreate. What
-   does not depend on the Courant number is computed once.
+   MpmSymbolsCreate - the symbols at n Courant numbers in the place of step's. Each is the same as by MpmSymbolCreate.
+   What does not depend on the Courant number is computed once.
 
    Collective. layout and scheme must outlive the symbols, each of which is destroyed with MpmSymbolDestroy.
 
@@ -108,8 +110,8 @@ static inline PetscReal MpmSymbolPhase(PetscInt m, PetscInt n)
 
    MpmSymbolBeta         - the phase of a number, in each direction
    MpmSymbolPhaseOfClass - the number of the phase of a class that is computed
-   MpmSymbolClass        - the class of the phase of a number; conjugate: its amplification factors are the conjugates of
-                           those of the phase that is computed
+   MpmSymbolClass        - the class of the phase of a number; conjugate: its amplification factors are the conjugates
+                           of those of the phase that is computed
 */
 void     MpmSymbolBeta(const MpmSymbol *symbol, PetscInt phase, PetscReal beta[]);
 PetscInt MpmSymbolPhaseOfClass(const MpmSymbol *symbol, PetscInt i);

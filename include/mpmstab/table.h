@@ -16,10 +16,10 @@
    nops, room    - the number of operations, and of those that ops has memory for
    ops           - the operations
    nstate        - particle registers [0, nstate) are the state, which goes on from step to step
-   nkept         - particle registers [nstate, nstate + nkept) live to the end of a step: how far particles have gone in it, where
-                   they move in stages. They go along with the particles to other ranks
-   nparticles    - particle registers [nstate + nkept, nparticles) are scratch: SCALE sets them to 0, G2P fills them, P2G
-                   sends them to nodes, and after that they hold nothing
+   nkept         - particle registers [nstate, nstate + nkept) live to the end of a step: how far particles have gone in
+                   it, where they move in stages. They go along with the particles to other ranks
+   nparticles    - particle registers [nstate + nkept, nparticles) are scratch: SCALE sets them to 0, G2P fills them,
+                   P2G sends them to nodes, and after that they hold nothing
    nnodes        - the number of node registers
    unfiltered    - the number of state registers that no filter acts on
    fields        - the names of the state registers, NULL-terminated; with more than one dimension v_x, s_xy and so on
@@ -36,12 +36,13 @@
    affine_part   - the first register of the affine part: dim rows, one for each component of the vector, of dim numbers
    affine_map    - the kind of operation that fills the affine part from nodes: G2P_AFFINE or G2P_SLOPE
    ends          - the kinds of the left and of the right end of each direction
-   nstiff, stiff - the tables of the K of IMPLICIT, one for each vector that is solved for (MpmTableStiffness). They have the
-                   registers of this table, and lines of their own: GRAD of the vector from register solved on to scratch, DIV of
-                   that to the registers from image on, and walls. So image = K solved. At finite deformation they have, from register
-                   solved on, the velocity w = start + theta a_i in the middle of the step, and image is the acceleration there, both
-                   in units of h and of k h: a_i = k image of w = k (start + theta a_i). start: the first register of the
-                   velocity before the step; theta: the part of the step at which the stress is taken
+   nstiff, stiff - the tables of the K of IMPLICIT, one for each vector that is solved for (MpmTableStiffness). They
+                   have the registers of this table, and lines of their own: GRAD of the vector from register solved on
+                   to scratch, DIV of that to the registers from image on, and walls. So image = K solved. At finite
+                   deformation they have, from register solved on, the velocity w = start + theta a_i in the middle of
+                   the step, and image is the acceleration there, both in units of h and of k h: a_i = k image of w = k
+                   (start + theta a_i). start: the first register of the velocity before the step; theta: the part of
+                   the step at which the stress is taken
    where, transfer - what messages call the formulation, and the transfer
 S*/
 #define MPM_MAX_STIFF 4
@@ -80,7 +81,9 @@ static inline PetscInt MpmTableStretches(const MpmTable *table)
   return MpmMaterialComponents(&table->material, table->dim);
 }
 
-/* Not collective. The number of particle registers that have arrays of their own: the state and what is kept in a step. */
+/*
+   Not collective. The number of particle registers that have arrays of their own: the state and what is kept in a step.
+*/
 static inline PetscInt MpmTableHeld(const MpmTable *table)
 {
   return table->nstate + table->nkept;
@@ -98,8 +101,8 @@ typedef enum { MPM_GRADIENT_BASIS, MPM_GRADIENT_MLS } MpmGradient;
 extern const char *const MpmGradientNames[];
 
 /*E
-   MpmFilterTime - when the transfer's filter acts in a formulation that has both places, FILTER_BEFORE and FILTER_AFTER.
-   Momentum schemes have one place, FILTER, which is that of after.
+   MpmFilterTime - when the transfer's filter acts in a formulation that has both places, FILTER_BEFORE and
+   FILTER_AFTER. Momentum schemes have one place, FILTER, which is that of after.
 
    MPM_FILTERS_AFTER  - nodes take the particles' values as they are; then the filter acts. pic is then the textbook's:
                         particles take the new values of the grid.
@@ -126,9 +129,9 @@ extern const char *const MpmMoveNames[];
               it has no effect. In units of rho c^2, c the speed of P waves, the Lame constants are
               lambda = nu / (1 - nu) and mu = (1 - 2 nu) / (2 (1 - nu)).
    filter   - when the transfer's filter acts, in formulations with FILTER_BEFORE and FILTER_AFTER
-   prestress - sigma0 / (rho c^2), the stress of the state that the scheme is linear about, with the components 00 01 02 11
-              12 22; 0: without one. c is the speed of small P waves along x about this state. In one dimension it is one
-              number s0, and c^2 = F0^2 P'(F0) / rho0.
+   prestress - sigma0 / (rho c^2), the stress of the state that the scheme is linear about, with the components 00 01 02
+              11 12 22; 0: without one. c is the speed of small P waves along x about this state. In one dimension it is
+              one number s0, and c^2 = F0^2 P'(F0) / rho0.
    lambda, mu, squares - with a prestress in more dimensions the stiffness of the state, in units of rho c^2:
               c_abcd = lambda q_a q_c d_ab d_cd + mu q_a q_b (d_ac d_bd + d_ad d_bc), q = squares, d the identity. It is
               that of the Truesdell rate (docs/theory.md, section 9).
@@ -141,15 +144,16 @@ extern const char *const MpmMoveNames[];
    loaded   - at finite deformation a body force acts
    material - at finite deformation the material
    stretch  - at finite deformation the uniform stretch of the start along each direction
-   stiffness - at finite deformation c0^2 / c^2, where c0 is the wave speed at rest, the unit of the material, and c that
-              of the Courant number
+   stiffness - at finite deformation c0^2 / c^2, where c0 is the wave speed at rest, the unit of the material, and c
+              that of the Courant number
    collides - there are colliders (collider.h): IMPOSE and REACT of a vector have their COLLIDE besides
    ends     - the kinds of the left and of the right end of each direction. IMPOSE and REACT become WALL at those that
               are fixed, and nothing at others.
    damping  - alpha, the part of the velocity that is lost per time, in units of c / h
-   local    - the part of the force on a node that is taken off against its velocity (Cundall). The step is not linear then.
-   viscous  - lambda and mu of the viscous stress lambda tr(D) I + 2 mu D, D the symmetric part of the velocity's gradient,
-              in units of rho c h. At finite deformation this is a Kirchhoff stress.
+   local    - the part of the force on a node that is taken off against its velocity (Cundall). The step is not linear
+              then.
+   viscous  - lambda and mu of the viscous stress lambda tr(D) I + 2 mu D, D the symmetric part of the velocity's
+              gradient, in units of rho c h. At finite deformation this is a Kirchhoff stress.
    proportional - the viscous stress is that of STRESS at a strain of D times a number, which is lambda + 2 mu
 S*/
 typedef struct {
@@ -178,7 +182,10 @@ static inline PetscBool MpmSpaceIsDamped(const MpmSpace *space)
              : PETSC_FALSE;
 }
 
-/* Not collective. What a motion whose strains have the stiffness kappa loses per time, in units of c / h: alpha + eta kappa. */
+/*
+   Not collective. What a motion whose strains have the stiffness kappa loses per time, in units of c / h: alpha + eta
+   kappa.
+*/
 static inline PetscReal MpmSpaceDrag(const MpmSpace *space, PetscReal kappa)
 {
   return space->damping + (space->viscous[0] + 2 * space->viscous[1]) * kappa;
@@ -191,13 +198,13 @@ PetscBool MpmSpaceIsPrestressed(const MpmSpace *space);
 PetscReal MpmSpacePrestress(const MpmSpace *space, PetscInt a, PetscInt b);
 
 /*
-   MpmSpaceTangent - d s_ab / d (dv_c/dx_d), the change of the stress per change of the velocity's gradient in a step that
-   is linear about a prestress, in units of rho c^2:
+   MpmSpaceTangent - d s_ab / d (dv_c/dx_d), the change of the stress per change of the velocity's gradient in a step
+   that is linear about a prestress, in units of rho c^2:
 
      c_abcd + d_ac sigma0_db + sigma0_ad d_bc
 
-   It multiplies the gradient in GRAD to a stress. Of a fluid it is (1 + s0) d_ab d_cd, of which GRAD has d_ab d_cd and DIV
-   the rest. Not collective. Source: docs/theory.md, section 9.
+   It multiplies the gradient in GRAD to a stress. Of a fluid it is (1 + s0) d_ab d_cd, of which GRAD has d_ab d_cd and
+   DIV the rest. Not collective. Source: docs/theory.md, section 9.
 */
 PetscReal MpmSpaceTangent(const MpmSpace *space, PetscInt a, PetscInt b, PetscInt c, PetscInt d);
 
@@ -251,10 +258,11 @@ static inline PetscBool MpmSpaceIsFluid(const MpmSpace *space)
    With a transfer that has an affine part, each P2G, G2P and SCALE of the vector that has it is followed by those of
    that part, one for each direction. Particles take what a transfer's sharpen makes of node fields, in G2P and GRAD.
 
-   Errors: PETSC_ERR_USER_INPUT for a written scheme with more registers or operations than fit. PETSC_ERR_SUP for a table that the interpreters do not support; it is an error of the program. They support
-   none of these: an operation to particles that replaces, a SCALE, SOLVE or WALL that accumulates, a stencil on its own
-   result, an axis that the table does not have, a sum that is continued after something else than sums, a node field
-   that is read before the step has written to it, and fields of ranks that do not go together.
+   Errors: PETSC_ERR_USER_INPUT for a written scheme with more registers or operations than fit. PETSC_ERR_SUP for a
+   table that the interpreters do not support; it is an error of the program. They support none of these: an operation
+   to particles that replaces, a SCALE, SOLVE or WALL that accumulates, a stencil on its own result, an axis that the
+   table does not have, a sum that is continued after something else than sums, a node field that is read before the
+   step has written to it, and fields of ranks that do not go together.
 */
 PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransfer *transfer,
                               const MpmSchemeNumbers *numbers, const MpmSpace *space, MpmTable **table);
@@ -294,7 +302,10 @@ const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt particle);
 /* Not collective. The parity of P2G of a particle register, by direction. */
 const MpmParity *MpmTableParity(const MpmTable *table, PetscInt particle);
 
-/* Not collective. Whether the table has an operation of a kind. MpmTableSolves: SOLVE or IMPLICIT, which couple all nodes. */
+/*
+   Not collective. Whether the table has an operation of a kind. MpmTableSolves: SOLVE or IMPLICIT, which couple all
+   nodes.
+*/
 PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind);
 PetscBool MpmTableSolves(const MpmTable *table);
 

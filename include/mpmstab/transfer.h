@@ -5,10 +5,11 @@
 typedef struct MpmTable_ MpmTable;
 
 /*
-   The numbers that a scheme may be given. Those of transfers: the order of xpic and fmpm, the share of flip in a blend, and that in the
-   velocities of an affine flip. Those of formulations: the part of the strain that verlet takes after the force, the
-   method of rk, where its stages are, whether particles move in each of them (MpmRkPlaces) and whether its steps are relaxed, theta of the implicit step and how often it may be halved, and the share of the
-   new velocity in that which particles of verlet and rk move with.
+   The numbers that a scheme may be given. Those of transfers: the order of xpic and fmpm, the share of flip in a blend,
+   and that in the velocities of an affine flip. Those of formulations: the part of the strain that verlet takes after
+   the force, the method of rk, where its stages are, whether particles move in each of them (MpmRkPlaces) and whether
+   its steps are relaxed, theta of the implicit step and how often it may be halved, and the share of the new velocity
+   in that which particles of verlet and rk move with.
 */
 struct MpmSchemeNumbers_ {
   PetscInt  order;
@@ -36,14 +37,15 @@ struct MpmSchemeNumbers_ {
    filter_symbol - the filter symbol: the symbol of P F over that of P, as a function of alpha, the symbol of P W. The
                    filter multiplies P q of a Fourier mode q by it. NULL: there is no closed form.
    sharpen       - appends operations that make of a node field the field that particles take in G2P and GRAD, in the
-                   node register *sharp, a new one for MPM_NONE, or that of the last time; NULL: they take the node field itself
+                   node register *sharp, a new one for MPM_NONE, or that of the last time; NULL: they take the node
+                   field itself
    sharp_symbol  - the symbol of sharpen, as a function of alpha; NULL where sharpen is NULL
    mls_bound     - with gradient mls, a formulation's mls_bound is proved for this transfer
-   leftmost      - a formulation's leftmost is proved for this transfer: F is a function of W P between W P and 1, or P F with
-                   its affine part is symmetric in the masses and between 0 and 1
+   leftmost      - a formulation's leftmost is proved for this transfer: F is a function of W P between W P and 1, or P
+                   F with its affine part is symmetric in the masses and between 0 and 1
    step_bound    - a formulation's step_bound may hold for this transfer: F is between 0 and 1 in the masses
-   quiet         - particles gain no more energy than the nodes, whatever the layout; with an affine part where D is the same
-                   at all places (docs/theory.md, section 12)
+   quiet         - particles gain no more energy than the nodes, whatever the layout; with an affine part where D is the
+                   same at all places (docs/theory.md, section 12)
    null_factor   - the number by which F multiplies the null space of P2G, which is particle data that no node feels.
                    NULL where filter_symbol is NULL.
    number        - the value of option; NULL where option is NULL
@@ -83,8 +85,8 @@ PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmSchemeNumbers *numb
 PetscReal      MpmTransferFromGridSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha);
 
 /*
-   MpmTransferSum - appends sum_{r<m} (I - P W)^r of a node field, m = numbers->order, to the node register *sum, which is
-   a new one for MPM_NONE, or that of an earlier sum of this field. With m = 1 it is the field itself, and nothing is
+   MpmTransferSum - appends sum_{r<m} (I - P W)^r of a node field, m = numbers->order, to the node register *sum, which
+   is a new one for MPM_NONE, or that of an earlier sum of this field. With m = 1 it is the field itself, and nothing is
    appended. xpic filters with it, and fmpm sharpens with it.
    MpmTransferXpic - appends F = W sum_{r<m} (I - P W)^r P = I - (I - W P)^m, the filter of xpic and of fmpm
    MpmTransferXpicSymbol - its filter symbol, 1 - (1 - alpha)^m
@@ -99,8 +101,8 @@ PetscReal      MpmTransferXpicSymbol(const MpmSchemeNumbers *numbers, PetscReal 
 PetscReal MpmTransferOrder(const MpmSchemeNumbers *numbers);
 
 /*
-   MpmTransferAffineFlip - appends the filter of aflip and asflip: v = ratio v + (1 - ratio) W g for the velocity, and 0 + the
-   affine map of g for the affine part, with ratio = numbers->affine_ratio and g the velocity on the nodes
+   MpmTransferAffineFlip - appends the filter of aflip and asflip: v = ratio v + (1 - ratio) W g for the velocity, and 0
+   + the affine map of g for the affine part, with ratio = numbers->affine_ratio and g the velocity on the nodes
    MpmTransferAffineRatio - their number: affine_ratio
 
    Not collective.

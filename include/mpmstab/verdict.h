@@ -50,7 +50,9 @@ MpmVerdict MpmVerdictOf(const MpmFinding *finding);
 */
 PetscErrorCode MpmFindingDispute(MpmFinding *finding, const char words[]);
 
-/* Not collective. Makes an undecided verdict stable because something proves it, and appends the words to its evidence. */
+/*
+   Not collective. Makes an undecided verdict stable because something proves it, and appends the words to its evidence.
+*/
 PetscErrorCode MpmFindingDecide(MpmFinding *finding, const char words[]);
 
 /*

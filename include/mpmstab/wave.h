@@ -24,8 +24,8 @@
    MPM_INITIAL_VORTEX       - a ring that turns, by more in its middle than at its edges; in the plane
    MPM_INITIAL_SIMPLE_WAVE  - a wave in a gas that steepens
    MPM_INITIAL_SHOCK_TUBE   - a gas at rest, 8 times denser left of the middle than right of it
-   MPM_INITIAL_COLLISION    - what is left of the middle of the domain has the velocity of the scene, and what is right of
-                              it the opposite
+   MPM_INITIAL_COLLISION    - what is left of the middle of the domain has the velocity of the scene, and what is right
+                              of it the opposite
    MPM_INITIAL_UNIFORM      - at rest, or with the velocity of the scene
 E*/
 typedef enum {

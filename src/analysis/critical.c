@@ -1,7 +1,7 @@
 /*
-   The largest stable Courant number: chooses how it is sought, and checks what was found. Files: critical_line.c for one
-   dimension, critical_sampled.c for samples of the symbol, critical_assembled.c for what has no symbol, critical_closed.c for
-   the closed form.
+   The largest stable Courant number: chooses how it is sought, and checks what was found. Files: critical_line.c for
+   one dimension, critical_sampled.c for samples of the symbol, critical_assembled.c for what has no symbol,
+   critical_closed.c for the closed form.
 */
 #include "analysis/critical_parts.h"
 #include "analysis/lone.h"
@@ -38,7 +38,9 @@ typedef struct {
   PetscBool         axes, again;
 } Strategy;
 
-/* The conditions of a closed form of a phase are linear in the square of the Courant number: what is unstable stays so. */
+/*
+   The conditions of a closed form of a phase are linear in the square of the Courant number: what is unstable stays so.
+*/
 static const Strategy strategies[] = {
     {0, ANY, ANY, ANY, ANY, MpmCriticalAssembled, PETSC_FALSE, PETSC_FALSE},
     {1, 1, 1, ANY, ANY, MpmCriticalLineUnderDrift, PETSC_FALSE, PETSC_TRUE},

@@ -222,7 +222,10 @@ static PetscErrorCode FactorsAt(void *context, PetscReal courant, double complex
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What came of following to a Courant number. done: it got there or found growth, which is in the bracket (MpmFollowLine). */
+/*
+   What came of following to a Courant number. done: it got there or found growth, which is in the bracket
+   (MpmFollowLine).
+*/
 typedef struct {
   PetscReal  to, bracket[2], doubtful;
   PetscInt64 evaluations;
@@ -254,7 +257,9 @@ static PetscErrorCode FollowFactors(const MpmCriticalCase *of, PetscInt64 allowe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The result is not used where no growth was found up to the scene's own Courant number although there is growth there. */
+/*
+   The result is not used where no growth was found up to the scene's own Courant number although there is growth there.
+*/
 static PetscErrorCode Follow(Probe *p, PetscReal to, PetscBool grows, MpmCritical *c)
 {
   const MpmCriticalCase *of = p->of;
@@ -338,8 +343,8 @@ static PetscReal Numbers(const Probe *p, const MpmNodalPlan *plan)
 }
 
 /*
-   The limit, where growth has real eigenvalues below -1 alone and the nodal operator is linear in k^stride; else NaN. The
-   nodes may have more unknowns than the particles.
+   The limit, where growth has real eigenvalues below -1 alone and the nodal operator is linear in k^stride; else NaN.
+   The nodes may have more unknowns than the particles.
 */
 static PetscErrorCode LinearLimit(const Probe *p, PetscReal *limit)
 {
@@ -445,7 +450,10 @@ static const char *WhyNoBound(const MpmCriticalCase *of)
   return MpmStepBoundWhyNot(of->layout, of->scheme, &of->step);
 }
 
-/* The bounds of the layout, with a march that refuses a grid that no run could have. It is on one rank for few unknowns. */
+/*
+   The bounds of the layout, with a march that refuses a grid that no run could have. It is on one rank for few
+   unknowns.
+*/
 static PetscErrorCode FindBounds(const MpmCriticalCase *of, MpmCritical *c)
 {
   const PetscMPIInt n = (PetscMPIInt)of->layout->particles;

@@ -183,8 +183,8 @@ static PetscErrorCode GrowthOf(void *context, PetscReal courant, PetscReal *grow
 }
 
 /*
-   The Courant number at which growth of a phase leaves the tolerance. It is beyond the limit, so where that is no less than
-   the least one found so far it is not computed.
+   The Courant number at which growth of a phase leaves the tolerance. It is beyond the limit, so where that is no less
+   than the least one found so far it is not computed.
 */
 static PetscErrorCode ToleratedAt(void *context, const PetscReal beta[], PetscReal *courant)
 {

@@ -3,10 +3,10 @@
 
    At rest, where a phase that is unstable stays so, the least limit of all phases is sought (zoom.h).
 
-   For particles that move windows of growth open along curves of the plane of phase beta and Courant number k, where two
-   amplification factors meet. Each of many phases is followed upwards in k (see follow.h). Then each curve that may reach the
-   tolerance between two of those phases is followed in beta: where its window is open, down in k; where it is not, towards the
-   phase at which it is widest.
+   For particles that move windows of growth open along curves of the plane of phase beta and Courant number k, where
+   two amplification factors meet. Each of many phases is followed upwards in k (see follow.h). Then each curve that may
+   reach the tolerance between two of those phases is followed in beta: where its window is open, down in k; where it is
+   not, towards the phase at which it is widest.
 */
 #include "analysis/critical_parts.h"
 #include "analysis/follow.h"

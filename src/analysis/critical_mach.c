@@ -1,6 +1,7 @@
 /*
-   Growth of particles that move at a fixed fraction M of the wave speed. Their drift M k changes with the Courant number
-   k, and only where it is a fraction p/q do they come back to their places, after q steps. So k goes over such numbers.
+   Growth of particles that move at a fixed fraction M of the wave speed. Their drift M k changes with the Courant
+   number k, and only where it is a fraction p/q do they come back to their places, after q steps. So k goes over such
+   numbers.
 */
 #include "analysis/critical_mach.h"
 #include "analysis/critical_parts.h"

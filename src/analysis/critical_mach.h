@@ -36,8 +36,8 @@ typedef struct {
 } MpmCriticalMach;
 
 /*
-   MpmCriticalMachCreate - computes growth at each of the Courant numbers. The drift of the case's step is that at its own
-   Courant number.
+   MpmCriticalMachCreate - computes growth at each of the Courant numbers. The drift of the case's step is that at its
+   own Courant number.
 
    Collective on PETSC_COMM_WORLD; a rank does a point alone, so that the result does not depend on their number.
 

@@ -9,9 +9,10 @@
    MpmCriticalStart - where a search for the limit starts.
 
    alone    - only the limit is asked for
-   unstable - infinite for a search over all phases. Else it is a Courant number at which phase beta is known to grow, and
-              the search covers only what can be reached from there.
-   beta     - where growth at the case's own Courant number was computed before, the phase that grows most there; else NaN
+   unstable - infinite for a search over all phases. Else it is a Courant number at which phase beta is known to grow,
+              and the search covers only what can be reached from there.
+   beta     - where growth at the case's own Courant number was computed before, the phase that grows most there; else
+              NaN
    axes     - in two and three dimensions, the limit of waves along the axes
 S*/
 typedef struct {
@@ -24,7 +25,8 @@ typedef struct {
 /*
    A search for the limit of a case. The closed form's is in the result already. Collective on PETSC_COMM_WORLD.
 
-   MpmCriticalAssembled      - through all eigenvalues of the assembled operator, and growth at the case's Courant number
+   MpmCriticalAssembled      - through all eigenvalues of the assembled operator, and growth at the case's Courant
+                               number
    MpmCriticalLineAtRest     - in one dimension, where a phase that has become unstable stays so
    MpmCriticalLineUnderDrift - in one dimension for particles that move
    MpmCriticalSpaceAtRest    - in two and three dimensions by the closed form, confirmed by the symbol
@@ -38,19 +40,20 @@ PetscErrorCode MpmCriticalSpaceAtRest(const MpmCriticalCase *of, const MpmCritic
 PetscErrorCode MpmCriticalSampled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
 
 /*
-   MpmCriticalAxes - the least limit of the waves along the axes, each of which find finds in one dimension. Infinite: there
-   is none. Collective on PETSC_COMM_WORLD.
+   MpmCriticalAxes - the least limit of the waves along the axes, each of which find finds in one dimension. Infinite:
+   there is none. Collective on PETSC_COMM_WORLD.
 */
 typedef PetscErrorCode (*MpmCriticalFinder)(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c);
 PetscErrorCode MpmCriticalAxes(const MpmCriticalCase *of, MpmCriticalFinder find, MpmCritical *least);
 
 /*
-   MpmCriticalLineGrowth - growth and verdict at the case's Courant number, over all phases of one dimension. beta: the phase
-   that grows most. It takes the symbol at twice MPM_CRITICAL_PHASES phases. Where nothing grows there, it follows the
-   symbol's amplification factors from phase to phase. The verdict is undecided where some of them could not be told apart.
+   MpmCriticalLineGrowth - growth and verdict at the case's Courant number, over all phases of one dimension. beta: the
+   phase that grows most. It takes the symbol at twice MPM_CRITICAL_PHASES phases. Where nothing grows there, it follows
+   the symbol's amplification factors from phase to phase. The verdict is undecided where some of them could not be told
+   apart.
 
-   MpmCriticalSampleGrowth - the same in two and three dimensions, by samples. With uphill the search goes on from the largest
-   ones on the grid.
+   MpmCriticalSampleGrowth - the same in two and three dimensions, by samples. With uphill the search goes on from the
+   largest ones on the grid.
 
    Collective on PETSC_COMM_WORLD.
 */
@@ -73,8 +76,8 @@ PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet);
 PetscErrorCode MpmCriticalQuieten(const MpmCriticalCase *of, MpmCritical *c);
 
 /*
-   Not collective. The number of phases in (0, pi] of each direction at which the symbol is taken: fewer where its matrices are
-   large.
+   Not collective. The number of phases in (0, pi] of each direction at which the symbol is taken: fewer where its
+   matrices are large.
 */
 PetscInt MpmCriticalSamples(const MpmLayout *layout, const MpmScheme *scheme);
 

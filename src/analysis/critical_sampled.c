@@ -35,8 +35,8 @@ static const PetscReal precision[] = {0, MPM_CRITICAL_PRECISION, 1e-7, 1e-7};
 /* ---- waves along an axis, which are those of one dimension with that direction's drift ---- */
 
 /*
-   The space of waves along an axis, of one dimension. Returns the speed of P waves along it in units of c: with a prestress
-   it depends on the direction (docs/theory.md, section 9).
+   The space of waves along an axis, of one dimension. Returns the speed of P waves along it in units of c: with a
+   prestress it depends on the direction (docs/theory.md, section 9).
 */
 static PetscReal AlongAxis(const MpmSpace *of, PetscInt axis, MpmSpace *along)
 {
@@ -179,8 +179,8 @@ static PetscErrorCode GrowthThere(void *context, PetscReal courant, PetscReal *g
 }
 
 /*
-   Narrows a bracket down to the limit of the wave that is kept and of those beside it: by turns the limit of a wave, and
-   the wave that grows most there. Every rank does this.
+   Narrows a bracket down to the limit of the wave that is kept and of those beside it: by turns the limit of a wave,
+   and the wave that grows most there. Every rank does this.
 */
 static PetscErrorCode Narrow(Samples *s, PetscReal bracket[2])
 {
@@ -223,8 +223,8 @@ static PetscErrorCode TakeAxes(Samples *s, const MpmCritical *axes, MpmCritical 
 }
 
 /*
-   The largest growth of samples and of axis waves, as far as their windows and their limit tell. Beyond that limit samples
-   are not looked at.
+   The largest growth of samples and of axis waves, as far as their windows and their limit tell. Beyond that limit
+   samples are not looked at.
 */
 static PetscErrorCode GrowthWithAxes(void *context, PetscReal courant, PetscReal *growth)
 {

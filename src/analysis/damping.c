@@ -127,8 +127,8 @@ static void Normalise(const Search *s, double complex state[])
 }
 
 /*
-   Finds the eigenvector that is nearest to the exact wave. Of those that are about as near it is the one that decays most
-   slowly, by more than rounding.
+   Finds the eigenvector that is nearest to the exact wave. Of those that are about as near it is the one that decays
+   most slowly, by more than rounding.
 */
 static PetscInt Nearest(Search *s, PetscReal *match)
 {

@@ -12,8 +12,8 @@
 
    The physical mode of a wave is the eigenvector of the symbol that is nearest to the exact wave, which travels to the
    right, at the particles: the one of largest match. The fields have the weights of the exact wave's amplitudes, and an
-   affine part, which follows from the velocity, does not count. Of modes with 3/5 of the largest match it is the one that
-   decays most slowly: an overdamped wave does not travel, and falls into two modes that match about equally well.
+   affine part, which follows from the velocity, does not count. Of modes with 3/5 of the largest match it is the one
+   that decays most slowly: an overdamped wave does not travel, and falls into two modes that match about equally well.
 
    nwaves, wavelength - the waves: phases / m cells long, for 1 <= m <= phases / 3, longest first; shorter than 3
                cells there is hardly a wave on the grid

@@ -10,8 +10,7 @@
    / n. interval holds the share among all seeds with 95% confidence, whichever way the undecided layouts would turn
    out. growth_min, growth_median and growth_max are over the layouts whose growth is known, and NaN when there is none;
    worst_seed has the largest. order is that of each layout's operator, nodal that of the nodes' own, which has its
-   eigenvalues, or 0 where that is not used. finding is unstable when any layout is, and
-   stable when all are.
+   eigenvalues, or 0 where that is not used. finding is unstable when any layout is, and stable when all are.
 S*/
 typedef struct {
   const MpmScene   *scene;

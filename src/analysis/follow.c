@@ -383,7 +383,9 @@ static PetscReal Bound(const MpmFollow *f, const Pair end[2], PetscReal x, Petsc
   return abs + (Abs(ratio) > off ? off / (2 * sqrt(Abs(ratio))) : sqrt(2 * off));
 }
 
-/* The growth of a pair whose model is good enough; factors that are damped grow most beside the place where they meet. */
+/*
+   The growth of a pair whose model is good enough; factors that are damped grow most beside the place where they meet.
+*/
 static PetscErrorCode Settle(MpmFollow *f, const Pair end[2], PetscReal x, PetscReal angle)
 {
   PetscReal beside, largest;

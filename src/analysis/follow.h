@@ -1,4 +1,6 @@
-/* Amplification factors followed along a line of Courant numbers or of phases, so that no window of growth is missed. */
+/*
+   Amplification factors followed along a line of Courant numbers or of phases, so that no window of growth is missed.
+*/
 #pragma once
 #include <mpmstab/compat.h>
 #include <complex.h>
@@ -27,8 +29,8 @@ typedef struct MpmSample_ MpmSample;
    n: their number; they are those of a period of so many steps. most: the logarithm of the largest abs over a period
    that does not count as growth. meetings: those of the last line whose peak is at least MPM_MEETING_FLOOR of the
    tolerance. doubtful: the least place, of all lines so far, where amplification factors could not be told apart at the
-   least step; infinite for none. evaluations: the number of places computed so far. allowed: a line ends early when there
-   are more than so many; it may be set before the line.
+   least step; infinite for none. evaluations: the number of places computed so far. allowed: a line ends early when
+   there are more than so many; it may be set before the line.
 S*/
 typedef struct {
   PetscInt        n, period, nmeetings, room;
@@ -54,8 +56,9 @@ PetscErrorCode MpmFollowDestroy(MpmFollow *follow);
    MpmFollowLine - finds the first place of [from, to] where growth per step exceeds 1 + tolerance.
 
    Not collective. from must be positive. bracket: growth is within tolerance at bracket[0] and beyond it at bracket[1],
-   which is next to it. bracket[1] is infinite when growth is nowhere beyond, and bracket[0] is then to, or less where the line ended early; bracket[0] is 0 when it is beyond already
-   at from. follow->peak becomes the largest growth on the line, as in MpmMeeting.
+   which is next to it. bracket[1] is infinite when growth is nowhere beyond, and bracket[0] is then to, or less where
+   the line ended early; bracket[0] is 0 when it is beyond already at from. follow->peak becomes the largest growth on
+   the line, as in MpmMeeting.
 
    Each step predicts the amplification factors from their derivatives. The step is halved until each of them is where
    it was predicted, so that none is mistaken for another. Growth can begin only where two come near each other between
@@ -66,8 +69,8 @@ PetscErrorCode MpmFollowDestroy(MpmFollow *follow);
 PetscErrorCode MpmFollowLine(MpmFollow *follow, PetscReal from, PetscReal to, PetscReal bracket[2]);
 
 /*
-   MpmFollowFirst - the same, and where growth is beyond at from already, the first place from start on; where it is beyond
-   there too, smaller places are tried by halving (MpmSearchFirst).
+   MpmFollowFirst - the same, and where growth is beyond at from already, the first place from start on; where it is
+   beyond there too, smaller places are tried by halving (MpmSearchFirst).
 
    Not collective.
 */

@@ -1,13 +1,13 @@
 /*
-   What the weights of one direction say of every layout: the limit of a lone particle, and Courant numbers up to which a scheme
-   is stable on every layout of particles that are alike.
+   What the weights of one direction say of every layout: the limit of a lone particle, and Courant numbers up to which
+   a scheme is stable on every layout of particles that are alike.
 
-   Of MLS-MPM: k <= 2 sqrt(D / chi), with chi = 1 + (d - 1) nu / (1 - nu) and D = sum_i phi_ip (x_i - x_p)^2, the least over the
-   places that particles may have. With F, S and A the operators on the nodes, of P2G G2P with the affine part, of DIV STRESS
-   GRAD and of P2G G2P, a step is stable where S <= 2 (1 + F), and S <= k^2 chi / D (F - A).
+   Of MLS-MPM: k <= 2 sqrt(D / chi), with chi = 1 + (d - 1) nu / (1 - nu) and D = sum_i phi_ip (x_i - x_p)^2, the least
+   over the places that particles may have. With F, S and A the operators on the nodes, of P2G G2P with the affine part,
+   of DIV STRESS GRAD and of P2G G2P, a step is stable where S <= 2 (1 + F), and S <= k^2 chi / D (F - A).
 
-   Of schemes with a step_bound w: k <= w / sqrt(lambda), and lambda is at most that of a lone particle at its worst place,
-   chi times the largest sum_i (phi_i')^2 / phi_i of a direction. docs/theory.md, section 4.
+   Of schemes with a step_bound w: k <= w / sqrt(lambda), and lambda is at most that of a lone particle at its worst
+   place, chi times the largest sum_i (phi_i')^2 / phi_i of a direction. docs/theory.md, section 4.
 */
 #include "analysis/lone.h"
 #include "analysis/search.h"

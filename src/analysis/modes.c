@@ -1,4 +1,6 @@
-/* Computes wavenumber, polarisation and null-space share of eigenvectors, and those of uniform layouts from the symbol. */
+/*
+   Computes wavenumber, polarisation and null-space share of eigenvectors, and those of uniform layouts from the symbol.
+*/
 #include "analysis/modes.h"
 #include "linalg/dense.h"
 #include "linalg/small_eigen.h"
@@ -416,7 +418,9 @@ static PetscErrorCode Fill(const MpmBlochCells *c, PetscInt dim, const PetscReal
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The eigenvector of a phase's matrix for a factor; the same on every rank. bloch: NULL where the cells have a source. */
+/*
+   The eigenvector of a phase's matrix for a factor; the same on every rank. bloch: NULL where the cells have a source.
+*/
 static PetscErrorCode Vector(MPI_Comm comm, MpmBloch *bloch, const MpmBlochCells *cells, const MpmSymbol *s,
                              const MpmSymbolFactor *c, const PetscReal beta[], MpmSmallEigen *small, PetscInt *nearest)
 {

@@ -9,9 +9,9 @@
 
    beta: the phase per cell of the largest Fourier component of the mode's nodal trace, which is P2G of its fields: dim
    numbers a mode, the first up to pi and the others below 2 pi. They are NaN when the trace is 0 to rounding, and on
-   rank 0 only. p_share: of that component of the velocity (u of a gas), the part of the square that is along beta: 1 for
-   a P wave, 0 for an S wave. It is on rank 0 only, and NaN in one dimension, between ends, and where there is no vector.
-   null_share: norm of the part of the mode that P2G sends to 0, relative to that of the mode.
+   rank 0 only. p_share: of that component of the velocity (u of a gas), the part of the square that is along beta: 1
+   for a P wave, 0 for an S wave. It is on rank 0 only, and NaN in one dimension, between ends, and where there is no
+   vector. null_share: norm of the part of the mode that P2G sends to 0, relative to that of the mode.
 S*/
 typedef struct {
   PetscInt   n, dim;
@@ -43,8 +43,8 @@ PetscInt MpmModesVectorOf(const MpmScheme *scheme);
 #define MPM_BLOCH_VECTORS 8
 
 /*S
-   MpmBlochCells - the periodic lattice of an operator that has no scene: its symbol, the number of cells in each direction, and
-   the cell and the site in it of a particle.
+   MpmBlochCells - the periodic lattice of an operator that has no scene: its symbol, the number of cells in each
+   direction, and the cell and the site in it of a particle.
 S*/
 typedef struct {
   MpmSource   source;
@@ -55,11 +55,11 @@ typedef struct {
 
 /*
    MpmBlochModesCreate - the states of the leading modes of a symbol: e^(i beta . cell) times the eigenvector of the
-   phase's matrix, real and imaginary part after one another. Leading are the amplification factors that are away from 1,
-   of largest abs, and farthest from 1; one of a class of phases is taken (see MpmSymbolTarget).
+   phase's matrix, real and imaginary part after one another. Leading are the amplification factors that are away from
+   1, of largest abs, and farthest from 1; one of a class of phases is taken (see MpmSymbolTarget).
 
-   Collective. The operator must be that of the symbol's scene, or of cells, and the symbol must have kept its amplification
-   factors.
+   Collective. The operator must be that of the symbol's scene, or of cells, and the symbol must have kept its
+   amplification factors.
 
    Output Parameters:
 +  n       - the number of vectors, at most MPM_BLOCH_VECTORS

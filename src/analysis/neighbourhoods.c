@@ -303,8 +303,8 @@ PetscBool MpmNeighbourhoodsHaveWindows(const MpmNeighbourhoods *all)
 /* ---- a table of steps ---- */
 
 /*
-   Whether a row of a table is not sought, since that takes long: in three dimensions, where layouts grow in windows, with
-   rk, whose growth does not begin at -1, and random layouts of many particles a cell.
+   Whether a row of a table is not sought, since that takes long: in three dimensions, where layouts grow in windows,
+   with rk, whose growth does not begin at -1, and random layouts of many particles a cell.
 */
 static PetscBool LeavesOut(const MpmScene *scene, MpmNeighbourhoodKind kind)
 {

@@ -20,7 +20,8 @@
    places, depth - where inside: places of the surface that were searched, and cells behind it where they were compared
    closed   - the limit is that of a closed form
    why_not  - says why courant is undecided; else NULL
-   layouts, unstable, undecided - of neighbourhoods random and disordered; unstable and undecided at the scene's own Courant number
+   layouts, unstable, undecided - of neighbourhoods random and disordered; unstable and undecided at the scene's own
+                                  Courant number
    cells    - of the box of random layouts, in each direction
    worst_seed - the seed of the layout with the least limit, or with the largest growth where no limit was asked for
    quantile - of disordered: as of MpmRandomLayouts
@@ -67,9 +68,9 @@ typedef struct {
    of      - the row that the limit of the last is of
    left_out - it was not sought, since that takes long
    bound   - no layout of such particles at rest grows up to it; 0: none is known
-   advised - the Courant number that is recommended: bound, or else the least limit of the rows. Where limits fall to 0 as a
-             particle comes to a node the least above 0, but for the worst.
-             Infinite: nothing limits it. NaN: none, since row never grows at every Courant number
+   advised - the Courant number that is recommended: bound, or else the least limit of the rows. Where limits fall to 0
+             as a particle comes to a node the least above 0, but for the worst. Infinite: nothing limits it. NaN: none,
+             since row never grows at every Courant number
    moving  - growth per step at advised, if the lattice drifts by 1/MPM_CRITICAL_DRIFT of a cell per step, the larger of
              MpmCriticalMoving; NaN: not known
    least, never - the row that advised is of, and that row; MPM_NONE: none

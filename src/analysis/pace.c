@@ -17,9 +17,9 @@
 #define TOLERANCE 1e-6 /* growth per step above 1 + TOLERANCE counts */
 
 /*
-   Cells that particles may move until P is looked at anew and until a new certificate, for hats and for others; what P may
-   fall to until then, and how many times slower the fastest waves may become until P is looked at: others may decide then.
-   scripts/step_moved.py measured what the limit falls to meanwhile.
+   Cells that particles may move until P is looked at anew and until a new certificate, for hats and for others; what P
+   may fall to until then, and how many times slower the fastest waves may become until P is looked at: others may
+   decide then. scripts/step_moved.py measured what the limit falls to meanwhile.
 */
 #define LOOK(basis) ((basis)->hat ? 0.05 : 0.25)
 #define LIFE(basis) ((basis)->hat ? 2 : 4)
@@ -323,8 +323,8 @@ static PetscBool IsOld(const MpmPace *pace, const MpmMarch *march)
 }
 
 /*
-   The largest artificial viscosity that a step can begin with: of the nodes' velocities a particle sees differences of at most
-   twice the largest, along each axis.
+   The largest artificial viscosity that a step can begin with: of the nodes' velocities a particle sees differences of
+   at most twice the largest, along each axis.
 */
 static PetscReal FirstArtificial(const MpmPace *pace, const MpmMarch *march)
 {
@@ -361,7 +361,10 @@ PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *re
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What damping and viscosity take at most. As the bounds of a certificate, what it depends on grows as bound particle falls. */
+/*
+   What damping and viscosity take at most. As the bounds of a certificate, what it depends on grows as bound particle
+   falls.
+*/
 static PetscReal Loss(const MpmPace *pace, const MpmMarch *march)
 {
   const MpmPaceHeld *h = &pace->held;
@@ -420,8 +423,9 @@ PetscErrorCode MpmPaceWatch(MpmPace *pace, MpmMarch *march)
 }
 
 /*
-   The Courant number of the next step. It follows from the state, the time and what the pace holds, which checkpoints have, so
-   that a run that resumes goes on as it would have. Where no waves travel at all, the step of the start is taken.
+   The Courant number of the next step. It follows from the state, the time and what the pace holds, which checkpoints
+   have, so that a run that resumes goes on as it would have. Where no waves travel at all, the step of the start is
+   taken.
 */
 static PetscReal Choose(MpmPace *pace, const MpmMarch *march)
 {

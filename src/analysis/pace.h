@@ -4,15 +4,17 @@
      dt = safety K h / max_p c_p
 
    c_p is the speed of P waves at the stretch of particle p. K c / max_p c_p is a bound of the largest stable step
-   (mpmstab/step_bound.h), with the moduli of now: lone or particle at each step; or a certificate by lanczos, which a watch by
-   particle follows. With k_0, P_0 and c_0 the certificate, bound particle and the fastest waves when it was made,
+   (mpmstab/step_bound.h), with the moduli of now: lone or particle at each step; or a certificate by lanczos, which a
+   watch by particle follows. With k_0, P_0 and c_0 the certificate, bound particle and the fastest waves when it was
+   made,
 
      K = max(P c, k_0 min(c_0, c P / P_0))
 
-   where P is looked at anew when particles have moved so far that it may have changed. Formulations without a bound have the
-   K of the linear scheme with particles at rest in a uniform layout or, where there is a free surface, that of a lone particle,
-   or of a half-space where a lone particle has no limit. Steps are rounded down to a power of 2^(1/MPM_PACE_LEVELS) times the
-   first one, since each change of the step costs a sum over the grid. Source of the distances: docs/theory.md, section 10.
+   where P is looked at anew when particles have moved so far that it may have changed. Formulations without a bound
+   have the K of the linear scheme with particles at rest in a uniform layout or, where there is a free surface, that of
+   a lone particle, or of a half-space where a lone particle has no limit. Steps are rounded down to a power of
+   2^(1/MPM_PACE_LEVELS) times the first one, since each change of the step costs a sum over the grid. Source of the
+   distances: docs/theory.md, section 10.
 */
 #pragma once
 #include "march/march_private.h"
@@ -25,8 +27,8 @@
 extern const PetscReal MpmPaceFactors[MPM_PACE_FACTORS]; /* of steps that would be so many times as long */
 
 /*E
-   MpmPaceReason - what a step is bounded by: MPM_PACE_WAVES the fastest waves; MPM_PACE_MOTION the fastest particle, which
-   may not go a cell or further in a step; MPM_PACE_END the end of the run, which the last two steps fill.
+   MpmPaceReason - what a step is bounded by: MPM_PACE_WAVES the fastest waves; MPM_PACE_MOTION the fastest particle,
+   which may not go a cell or further in a step; MPM_PACE_END the end of the run, which the last two steps fill.
 E*/
 typedef enum { MPM_PACE_WAVES, MPM_PACE_MOTION, MPM_PACE_END, MPM_PACE_REASONS } MpmPaceReason;
 extern const char *const MpmPaceReasonNames[];
@@ -37,14 +39,16 @@ extern const char *const MpmPaceReasonNames[];
    limit, first    - K, and that of the first step
    certified, particle, fastest - k_0, P_0 and c_0; 0: there is no certificate
    artificial      - the largest artificial viscosity in the step before
-   form            - what the loss by damping and viscosity depends on (MpmStepBounds): of the certificate, or of the last look; falls: by
-                     how much bound particle has fallen since that certificate, or 1
-   way, seen       - cells that the fastest particle has moved, at most, since the certificate and since the last look at P
+   form            - what the loss by damping and viscosity depends on (MpmStepBounds): of the certificate, or of the
+                     last look; falls: by how much bound particle has fallen since that certificate, or 1
+   way, seen       - cells that the fastest particle has moved, at most, since the certificate and since the last look
+                     at P
    waves           - the fastest waves at that look
    certificates, looks - how many there were
-   id, place, number, step - the particle that decided P at the smallest step, its place in cells, P, and that step; step 0: none.
-                     Of a run that is watched: at the step above which the bound stood least
-   steps, under    - the steps that were compared with the bound, and those that would stand under it if they were longer by a factor
+   id, place, number, step - the particle that decided P at the smallest step, its place in cells, P, and that step;
+                     step 0: none. Of a run that is watched: at the step above which the bound stood least
+   steps, under    - the steps that were compared with the bound, and those that would stand under it if they were
+                     longer by a factor
    above, share    - the first step above the bound, 0: none; and the least bound over its step
 S*/
 typedef struct {
@@ -105,8 +109,8 @@ PetscErrorCode MpmPaceWatch(MpmPace *pace, MpmMarch *march);
 PetscErrorCode MpmPaceDestroy(MpmPace **pace);
 
 /*
-   MpmPaceSpeeds - the largest speeds of waves and of particles along an axis, over c. moduli: the squares of the speeds of waves at
-   this rank's particles, for PetscFree; what it held before is freed.
+   MpmPaceSpeeds - the largest speeds of waves and of particles along an axis, over c. moduli: the squares of the speeds
+   of waves at this rank's particles, for PetscFree; what it held before is freed.
 
    Collective.
 */
@@ -122,8 +126,8 @@ PetscBool MpmPaceIsOver(const MpmPace *pace, const MpmMarch *march);
 PetscErrorCode MpmPaceTook(MpmPace *pace, const MpmMarch *march);
 
 /*
-   MpmPaceStep - chooses the next step of a march and sets its Courant number. last: it becomes the number of the next step
-   if that one ends the run.
+   MpmPaceStep - chooses the next step of a march and sets its Courant number. last: it becomes the number of the next
+   step if that one ends the run.
    MpmPaceTell - prints the next step, and why it is so large, if it differs much from the one printed before.
 
    Collective.

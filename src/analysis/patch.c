@@ -5,11 +5,11 @@
 
      G^2 - G (1 + f - s) + f = 0,    f = <w, F w> / <w, w>, s = <w, S w> / <w, w> = k^2 <w, K w> / <w, w>
 
-   with F = P2G G2P and S = k^2 DIV STRESS GRAD symmetric in the nodal masses, 0 <= f <= 1 (docs/theory.md, section 4). This
-   is stable iff s <= 2 (1 + f), with equality at G = -1, and so at all smaller k. Of usl with flip the same holds with
-   4 S^-1 >= 2 - P2G G2P. So the limit of a spot is the least k with an eigenvalue -1, one eigenvalue problem without a
-   search. That this is the limit is then checked by growth at smaller and larger k. Where that does not bear it out, as
-   for a gas, growth decides at a row of k and by bisection.
+   with F = P2G G2P and S = k^2 DIV STRESS GRAD symmetric in the nodal masses, 0 <= f <= 1 (docs/theory.md, section 4).
+   This is stable iff s <= 2 (1 + f), with equality at G = -1, and so at all smaller k. Of usl with flip the same holds
+   with 4 S^-1 >= 2 - P2G G2P. So the limit of a spot is the least k with an eigenvalue -1, one eigenvalue problem
+   without a search. That this is the limit is then checked by growth at smaller and larger k. Where that does not bear
+   it out, as for a gas, growth decides at a row of k and by bisection.
 */
 #include "analysis/patch.h"
 #include "analysis/search.h"
@@ -167,7 +167,8 @@ static MpmPatchSpot Move(const MpmPatchLattice *l, const MpmPatchSpot *spot, Pet
 }
 
 /*
-   A limit that was found next to the end of a panel: its limit there, from this side, and whether the end itself has it.
+   A limit that was found next to the end of a panel: its limit there, from this side, and whether the end itself has
+   it.
 */
 static PetscErrorCode AtFace(Patch *p, const MpmPatchSpot *spot, PetscReal *limit, PetscBool *approached)
 {
@@ -282,7 +283,9 @@ static PetscErrorCode CheckPart(void *context, PetscInt i)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether growth is none below a limit, over the grid of spots, and some above it, at the worst spot if it is its own. */
+/*
+   Whether growth is none below a limit, over the grid of spots, and some above it, at the worst spot if it is its own.
+*/
 static PetscErrorCode Check(Patch *p, const MpmPatchSpot *spot, PetscReal limit, PetscBool own, PetscBool *holds)
 {
   const PetscInt size = MpmPatchGridSize(&p->search), n = size / PetscMax(1, size / CHECKS);
@@ -341,8 +344,8 @@ static PetscErrorCode OtherEnd(Patch *p, const MpmPatchSpot *spot, PetscReal kno
 }
 
 /*
-   The depths of a search. In one dimension deep lattices cost little. Where limits are sought by rows of Courant numbers
-   they cost much.
+   The depths of a search. In one dimension deep lattices cost little. Where limits are sought by rows of Courant
+   numbers they cost much.
 */
 static void SetDepths(Patch *p)
 {

@@ -38,16 +38,16 @@ typedef struct {
 } MpmPatchLimit;
 
 /*
-   MpmPatchFind - the limit of a patch of a case's lattice: so many particles in a cell as its fullest cells have, evenly
-   spaced, at rest. Its grid, offset, jitter and drift have no effect.
+   MpmPatchFind - the limit of a patch of a case's lattice: so many particles in a cell as its fullest cells have,
+   evenly spaced, at rest. Its grid, offset, jitter and drift have no effect.
 
    Collective on PETSC_COMM_WORLD. The result does not depend on the number of ranks.
 
    Places next to a face of a cell are looked at from both sides. Places exactly on a face are looked at on a grid of
-   the phases and of the other directions. In more than one dimension (a lone particle: in three) the limit is undecided where modes do
-   not leave the unit circle at -1, unless some places have the limit 0. It is undecided too where it goes on changing
-   with the depth of the lattice, as where surfaces reflect waves with a gain, and where the far end of the lattice has
-   a mode of its own that is as bad.
+   the phases and of the other directions. In more than one dimension (a lone particle: in three) the limit is undecided
+   where modes do not leave the unit circle at -1, unless some places have the limit 0. It is undecided too where it
+   goes on changing with the depth of the lattice, as where surfaces reflect waves with a gain, and where the far end of
+   the lattice has a mode of its own that is as bad.
 
    Errors: refuses (PETSC_ERR_USER_INPUT) a table with SOLVE.
 */

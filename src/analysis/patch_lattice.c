@@ -29,7 +29,9 @@ typedef struct {
   double complex *row[MPM_OP_KINDS], *product[MPM_OP_KINDS][MPM_OP_KINDS];
 } Line;
 
-/* The kinds of maps that a plan has along an axis. P2G and G2P are always among them: they weigh the other directions. */
+/*
+   The kinds of maps that a plan has along an axis. P2G and G2P are always among them: they weigh the other directions.
+*/
 static void KindsAlong(const MpmNodalPlan *plan, PetscInt axis, PetscBool used[])
 {
   for (PetscInt kind = 0; kind < MPM_OP_KINDS; kind++)
@@ -257,8 +259,8 @@ static PetscErrorCode MapOf(void *context, const MpmNodalMap *map, double comple
 /* ---- a lone particle ---- */
 
 /*
-   What a particle without a neighbour gives to nodes, and what it reads of them, are few fields of the nodes: a product of
-   its weights, and one for each gradient or distance. All other fields of the nodes stay what they are.
+   What a particle without a neighbour gives to nodes, and what it reads of them, are few fields of the nodes: a product
+   of its weights, and one for each gradient or distance. All other fields of the nodes stay what they are.
 */
 static PetscBool IsLone(const MpmPatchLattice *l)
 {

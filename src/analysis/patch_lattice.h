@@ -1,6 +1,6 @@
 /*
-   A lattice of particles at one place in the grid and one set of phases: its nodal operator and what that says (patch_lattice.c);
-   and a search over places and phases, where a limit is least, or growth largest (patch_search.c).
+   A lattice of particles at one place in the grid and one set of phases: its nodal operator and what that says
+   (patch_lattice.c); and a search over places and phases, where a limit is least, or growth largest (patch_search.c).
 */
 #pragma once
 #include "operator/nodal.h"
@@ -12,8 +12,8 @@ E*/
 typedef enum { MPM_PATCH_ENDLESS, MPM_PATCH_SURFACE, MPM_PATCH_SINGLE } MpmPatchEnd;
 
 /*S
-   MpmPatchSpot - a place of the lattice and its phases. The first particle is at (j + t) / ppc in its cell, 0 <= j < ppc
-   and 0 <= t < 1, in each direction: with j apart, t near 0 or 1 is exact. beta counts where there is no end.
+   MpmPatchSpot - a place of the lattice and its phases. The first particle is at (j + t) / ppc in its cell, 0 <= j <
+   ppc and 0 <= t < 1, in each direction: with j apart, t near 0 or 1 is exact. beta counts where there is no end.
 S*/
 typedef struct {
   PetscInt  j[MPM_MAX_DIM];
@@ -41,12 +41,12 @@ typedef struct {
 PetscErrorCode MpmPatchPlanCreate(const MpmScheme *scheme, MpmNodalPlan **plan);
 
 /*
-   MpmPatchOperator - the nodal operator of a spot as a polynomial (see MpmNodalRun), in units in which a node's value is
-   multiplied by the root of its mass.
+   MpmPatchOperator - the nodal operator of a spot as a polynomial (see MpmNodalRun), in units in which a node's value
+   is multiplied by the root of its mass.
 
    Not collective. coefficient: room for pointers to plan->degree + 1 matrices of order n; free each with PetscFree.
-   unseen: the largest abs of the eigenvalues that are left out, those of nodal fields that a lone particle neither reads
-   nor gives; 0 where there are none. They are not -1.
+   unseen: the largest abs of the eigenvalues that are left out, those of nodal fields that a lone particle neither
+   reads nor gives; 0 where there are none. They are not -1.
 
    Behind a surface the nodes beyond depth are held: their values are 0. On them nothing happens that could grow, and
    for apic with equal maps there and back the limit comes from above as depth grows, since the quotient that has it is
@@ -59,9 +59,9 @@ PetscErrorCode MpmPatchOperator(const MpmPatchLattice *lattice, const MpmPatchSp
 
 /*
    MpmPatchCrossing - the least Courant number at which an eigenvalue of a spot is -1; infinite where there is none.
-   MpmPatchGrowth   - the largest abs of its eigenvalues at a Courant number. rounding: the growth that rounding may make
-                      of a defective pair there (see MpmDefectiveErrorOf); it is large for a node that has hardly any
-                      mass.
+   MpmPatchGrowth   - the largest abs of its eigenvalues at a Courant number. rounding: the growth that rounding may
+                      make of a defective pair there (see MpmDefectiveErrorOf); it is large for a node that has hardly
+                      any mass.
 
    Not collective.
 */

@@ -15,8 +15,8 @@
    write   - file for the places of the worst layout after this, a line for each particle; NULL or empty: none
    limits  - whether limits are sought
    growth  - the largest at the case's own Courant number; NaN: it is not known of some layout
-   courant - the least limit: 0 where that layout grows at every Courant number; infinite where there is none; NaN: it is
-             not known, or was not asked for
+   courant - the least limit: 0 where that layout grows at every Courant number; infinite where there is none; NaN: it
+             is not known, or was not asked for
    unstable, undecided - the numbers of layouts that grow, and of those whose growth is not known
    worst   - the seed of the layout with the least limit, or else of that with the largest growth
    evaluations - the number of times that growth was computed, on all ranks
@@ -53,8 +53,8 @@ PetscInt MpmRankOfQuantile(PetscInt quantile, PetscInt n);
    MpmLayoutIsVoid says so. Particles are at rest and alike, and there are no walls.
 
    The eigenvalues are those of the nodal operator (operator/nodal.h). Where a layout that has become unstable stays so
-   (MpmLeftmostDecides, MpmGrowthStays) the limit of each between 1e-6 and 64 is found, by one factorisation where the operator
-   is linear in a power of the Courant number. Else all layouts are looked at together (MpmSearchScan).
+   (MpmLeftmostDecides, MpmGrowthStays) the limit of each between 1e-6 and 64 is found, by one factorisation where the
+   operator is linear in a power of the Courant number. Else all layouts are looked at together (MpmSearchScan).
 
    Errors: PETSC_ERR_SUP for a table whose nodal operator needs more than maps between particles and nodes and LAP.
 */

@@ -49,7 +49,9 @@ static PetscBool IsNoise(const Loop *loop)
   return loop->random || loop->run->scene->initial == MPM_INITIAL_RANDOM ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* The steps between samples at finite deformation, where states are of order 1: for growth, or for the rows of a file. */
+/*
+   The steps between samples at finite deformation, where states are of order 1: for growth, or for the rows of a file.
+*/
 static PetscInt64 FiniteGap(const Loop *loop)
 {
   const MpmPace   *pace  = loop->run->pace;
@@ -100,8 +102,8 @@ static PetscReal TrueEnergy(const MpmMarch *march, PetscReal energy)
 }
 
 /*
-   Records norm and energy of a sampled step at finite deformation. Its state is not rescaled, since it is not linear. Noise
-   has a growth as long as it is small.
+   Records norm and energy of a sampled step at finite deformation. Its state is not rescaled, since it is not linear.
+   Noise has a growth as long as it is small.
 */
 static PetscErrorCode SampleFinite(Loop *loop)
 {

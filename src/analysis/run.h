@@ -10,20 +10,22 @@
 /*S
    MpmRun - the result of the task run.
 
-   from: the step at which this run began, 0 unless it resumed from a checkpoint. steps, time: those at its end. last: the number
-   of its last step; of a run that ends at a time it is known when this step begins, and larger before. stopped: a signal
-   ended it before its last step. pace: how a run has chosen its steps, or NULL where they are all alike;
-   watch: the bound that these were compared with, or NULL. eigenmode: growth per step of the eigenvalue of the mode that initial eigenmode starts from, else NaN.
+   from: the step at which this run began, 0 unless it resumed from a checkpoint. steps, time: those at its end. last:
+   the number of its last step; of a run that ends at a time it is known when this step begins, and larger before.
+   stopped: a signal ended it before its last step. pace: how a run has chosen its steps, or NULL where they are all
+   alike; watch: the bound that these were compared with, or NULL. eigenmode: growth per step of the eigenvalue of the
+   mode that initial eigenmode starts from, else NaN.
 
    Energies are NaN when out of range; their ratio is still known then. blew_up_at_step: the first sampled step at which
    the norm of the state left the range of doubles, or MPM_NEVER. mass_change, momentum_change: relative to the start of
    the run; NaN when there was none to conserve, or when the state was lost. lost: one step enlarged the state beyond
    what rescaling can follow, and the run stopped there. growth_above: a lower bound of that step's growth. bytes: moved
-   per particle and step, if known (march/passes.h). load: the largest number of particles that a rank had, over the mean. relaxed: the number of steps
-   whose increments had a factor below 1 (march/adapt.h), and least_factor the least of these factors. transfer_first, transfer_last, transfer_most: the transfer diagnostics,
-   in scenes that ask for weights, source term or ringing (transfer_diagnostics.h). tangents: of a run that was asked for
-   its tangent, else NULL. iterations, newton, solve_s: of the systems of an implicit step, of all steps of this run. halved: the steps that were
-   taken in parts, and parts the most that one of them had.
+   per particle and step, if known (march/passes.h). load: the largest number of particles that a rank had, over the
+   mean. relaxed: the number of steps whose increments had a factor below 1 (march/adapt.h), and least_factor the least
+   of these factors. transfer_first, transfer_last, transfer_most: the transfer diagnostics, in scenes that ask for
+   weights, source term or ringing (transfer_diagnostics.h). tangents: of a run that was asked for its tangent, else
+   NULL. iterations, newton, solve_s: of the systems of an implicit step, of all steps of this run. halved: the steps
+   that were taken in parts, and parts the most that one of them had.
 S*/
 #define MPM_NEVER -1
 typedef struct {
@@ -58,8 +60,8 @@ typedef struct {
    checkpoint; it fills the initial data of an eigenmode. sample: called when norm and energy of a step have been
    recorded. log_norm is the logarithm of the state's norm; diagnostics is NULL where the scene asks for none. step:
    called after begin and after each step. run->lost says that the run cannot follow its state and ends there; setting
-   stop ends the run. end: called when the march is at its end or was stopped (run->stopped). silent: the run prints nothing
-   while it marches.
+   stop ends the run. end: called when the march is at its end or was stopped (run->stopped). silent: the run prints
+   nothing while it marches.
 S*/
 typedef struct {
   void *context;

@@ -61,8 +61,8 @@ static void AddUnstable(Bracket *b, PetscReal at, PetscReal growth)
 }
 
 /*
-   Just above its first value growth - 1 is proportional to the distance (an eigenvalue that leaves the unit circle) or to its
-   square root (two eigenvalues that meet on it). So (g - 1)^2 / g or g - 1 is smooth.
+   Just above its first value growth - 1 is proportional to the distance (an eigenvalue that leaves the unit circle) or
+   to its square root (two eigenvalues that meet on it). So (g - 1)^2 / g or g - 1 is smooth.
 */
 static PetscReal Law(PetscBool root, PetscReal excess)
 {
@@ -86,7 +86,10 @@ static PetscReal Cross(const Bracket *b, PetscInt from, PetscBool root, PetscRea
   return x[0];
 }
 
-/* The first growth that is expected; NaN: too little is known. Of the laws the one that would have foreseen the last value. */
+/*
+   The first growth that is expected; NaN: too little is known. Of the laws the one that would have foreseen the last
+   value.
+*/
 static PetscReal Expect(const Bracket *b, PetscReal tolerance)
 {
   PetscReal miss[2] = {1, 0};
@@ -98,8 +101,9 @@ static PetscReal Expect(const Bracket *b, PetscReal tolerance)
 }
 
 /*
-   The next value to look at: beyond the expected one by little, and, when that is next to it, below it. When the bracket
-   has not become narrow for some values, the one after them is below the expected one, and the others are in the middle.
+   The next value to look at: beyond the expected one by little, and, when that is next to it, below it. When the
+   bracket has not become narrow for some values, the one after them is below the expected one, and the others are in
+   the middle.
 */
 static PetscReal Next(const Bracket *b, PetscReal tolerance, PetscReal precision, PetscInt without)
 {

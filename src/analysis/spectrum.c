@@ -1,6 +1,6 @@
 /*
-   The task spectrum: eigenvalues of an operator, a verdict, and how norms grow. Of a scene it makes operator, symbol and
-   march from the same table, and compares them; a matrix that was given has only its operator.
+   The task spectrum: eigenvalues of an operator, a verdict, and how norms grow. Of a scene it makes operator, symbol
+   and march from the same table, and compares them; a matrix that was given has only its operator.
 */
 #include "scene/layout.h"
 #include "base/progress.h"
@@ -80,10 +80,10 @@ static PetscErrorCode SolveBloch(MpmSpectrum *s)
 }
 
 /*
-   The method that the operator allows. On a layout with a symbol all eigenvalues are those of its small blocks, and some
-   of a large operator suffice. Else all of the nodes' operator are taken where its order n (0: there is none) allows it,
-   and of a larger one the leftmost, where these decide. assembled: the particles' operator is a matrix, which has room for
-   eigenvalues near a target. scene: NULL for a matrix that was given.
+   The method that the operator allows. On a layout with a symbol all eigenvalues are those of its small blocks, and
+   some of a large operator suffice. Else all of the nodes' operator are taken where its order n (0: there is none)
+   allows it, and of a larger one the leftmost, where these decide. assembled: the particles' operator is a matrix,
+   which has room for eigenvalues near a target. scene: NULL for a matrix that was given.
 */
 static MpmEigenMethod MethodOf(const MpmScene *scene, PetscInt order, PetscInt n, PetscBool symbol, PetscBool assembled)
 {
@@ -97,8 +97,8 @@ static MpmEigenMethod MethodOf(const MpmScene *scene, PetscInt order, PetscInt n
 }
 
 /*
-   Solves for eigenvalues of the nodes' operator, and where these are not enough for those of the particles'. What Krylov's
-   method does not find in the smaller operator it does not find in the larger one.
+   Solves for eigenvalues of the nodes' operator, and where these are not enough for those of the particles'. What
+   Krylov's method does not find in the smaller operator it does not find in the larger one.
 */
 static PetscErrorCode SolveMatrix(MpmSpectrum *s, MpmEigenMethod method)
 {
@@ -201,8 +201,8 @@ static PetscErrorCode Sensitivity(MpmSpectrum *s)
 }
 
 /*
-   Whether growth could only be hidden at -1, and no eigenvalue is there. Rounding splits pairs at 1, but where the leftmost
-   eigenvalues decide this is no growth. error: by which rounding may move a defective eigenvalue.
+   Whether growth could only be hidden at -1, and no eigenvalue is there. Rounding splits pairs at 1, but where the
+   leftmost eigenvalues decide this is no growth. error: by which rounding may move a defective eigenvalue.
 */
 static PetscBool HidesNoGrowth(const MpmSpectrum *s, PetscReal error)
 {
@@ -416,7 +416,9 @@ static PetscErrorCode Begin(const MpmRequest *request, MpmSpectrum **spectrum)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Makes what a scene has and an operator alone has not: symbol, closed forms, and the march that it is checked against. */
+/*
+   Makes what a scene has and an operator alone has not: symbol, closed forms, and the march that it is checked against.
+*/
 static PetscErrorCode Compare(MPI_Comm comm, MpmSpectrum *s)
 {
   const MpmScene *scene = s->scene;

@@ -1,6 +1,6 @@
 /*
-   Spectrum: eigenvalues and growth of an operator; of a scene the published, corrected, symbol's, operator's and measured
-   growth, compared.
+   Spectrum: eigenvalues and growth of an operator; of a scene the published, corrected, symbol's, operator's and
+   measured growth, compared.
 */
 #pragma once
 #include "analysis/modes.h"
@@ -13,8 +13,9 @@ typedef struct MpmCertificates_ MpmCertificates; /* probe/certificates.h */
 /*S
    MpmSpectrum - the result of the task spectrum. A number that was not computed is NaN.
 
-   certificates: NULL, or what shows that a matrix of a file is that of a step. scene: NULL for a matrix that was given. It then has no symbol, run, predictor, predictions, comparison, step_mismatch,
-   nullity or leading modes. cells: a lattice of such a matrix, whose symbol is then taken; else NULL.
+   certificates: NULL, or what shows that a matrix of a file is that of a step. scene: NULL for a matrix that was given.
+   It then has no symbol, run, predictor, predictions, comparison, step_mismatch, nullity or leading modes. cells: a
+   lattice of such a matrix, whose symbol is then taken; else NULL.
 
    radius: the largest abs of the listed eigenvalues of the operator. growth: the same per step. symbol: NULL on layouts
    that are not uniform. symbol_mismatch: the largest distance of a listed eigenvalue from the symbol's set. at_one: the
@@ -52,9 +53,9 @@ typedef struct {
 } MpmSpectrum;
 
 /*
-   MpmNodalChoiceCheck - refuses the option nodal, true or false, where the task takes no eigenvalues that the nodes' own
-   operator could have: of particles that move, of tables and layouts without such an operator, and of critical where the
-   symbol has the answer.
+   MpmNodalChoiceCheck - refuses the option nodal, true or false, where the task takes no eigenvalues that the nodes'
+   own operator could have: of particles that move, of tables and layouts without such an operator, and of critical
+   where the symbol has the answer.
 
    Collective. Errors: PETSC_ERR_USER_INPUT.
 */
@@ -72,21 +73,22 @@ PetscErrorCode MpmSpectrumCreate(const MpmScene *scene, const MpmRequest *reques
 /*
    MpmSpectrumOfMatrix - solves for the eigenvalues of a matrix that covers so many steps, wherever it comes from.
 
-   Collective on PETSC_COMM_WORLD, with SLEPc initialized. what: the matrix, for messages. cells: NULL, or its lattice: then the
-   symbol says which eigenvalues are sought, and decides.
+   Collective on PETSC_COMM_WORLD, with SLEPc initialized. what: the matrix, for messages. cells: NULL, or its lattice:
+   then the symbol says which eigenvalues are sought, and decides.
 */
 PetscErrorCode MpmSpectrumOfMatrix(const char what[], Mat A, PetscInt period, const MpmBlochCells *cells,
                                    const MpmRequest *request, PetscReal started, MpmSpectrum **spectrum);
 PetscErrorCode MpmSpectrumDestroy(MpmSpectrum **spectrum);
 
 /*
-   MpmFrozenSpectrum - marches a scene of finite kinematics to the request's step at_step, and finds the eigenvalues of the
-   tangent of the step after it, as if the state stayed as it is. mismatch: see MpmTangentMismatch. A verdict is undecided
-   where the tangent's step is not the march's. Of a material that flows particles may stand on the yield surface, where a
-   step has two derivatives: the spectrum is that of loading or unloading, whichever grows more, and the evidence says which.
+   MpmFrozenSpectrum - marches a scene of finite kinematics to the request's step at_step, and finds the eigenvalues of
+   the tangent of the step after it, as if the state stayed as it is. mismatch: see MpmTangentMismatch. A verdict is
+   undecided where the tangent's step is not the march's. Of a material that flows particles may stand on the yield
+   surface, where a step has two derivatives: the spectrum is that of loading or unloading, whichever grows more, and
+   the evidence says which.
 
-   Collective on PETSC_COMM_WORLD, with SLEPc initialized. Errors: refuses (PETSC_ERR_USER_INPUT) a step that the run does
-   not reach.
+   Collective on PETSC_COMM_WORLD, with SLEPc initialized. Errors: refuses (PETSC_ERR_USER_INPUT) a step that the run
+   does not reach.
 */
 PetscErrorCode MpmFrozenSpectrum(const MpmScene *scene, const MpmRequest *request, PetscReal started,
                                  MpmSpectrum **spectrum, PetscReal *mismatch);

@@ -270,8 +270,8 @@ static PetscErrorCode KeepPoint(MpmStabilityMap *map, const Point *at, PetscInt 
 }
 
 /*
-   Part of a map: points that differ in their Courant number alone, at most TOGETHER of them. Where no axis is the Courant
-   number, or the drift depends on it, a part is one point.
+   Part of a map: points that differ in their Courant number alone, at most TOGETHER of them. Where no axis is the
+   Courant number, or the drift depends on it, a part is one point.
 
    n      - the number of points
    first, stride - the first point, and from a point to the next

@@ -10,14 +10,15 @@ typedef struct MpmProgram_ MpmProgram; /* probe/program.h */
    MpmStabilityMap - the result of the task map: growth at points[0] x points[1] points, stored with the second axis
    varying fastest. Either scene or program is NULL.
 
-   waves: the number of directions in which growth is that of waves, with phases[a] phases in each; 0 of a code whose cells
-   are not alike, where growth is the spectral radius of all particles. fault: of a code, for each point the first
+   waves: the number of directions in which growth is that of waves, with phases[a] phases in each; 0 of a code whose
+   cells are not alike, where growth is the spectral radius of all particles. fault: of a code, for each point the first
    certificate that does not hold, MPM_CERTIFICATES if all hold; else NULL.
 
    at[a]: the points[a] numbers along axis a. growth (per step, the largest over the phases), beta (the least phase that
    has it, beta[a] in direction a) and verdict are those of each point, on every rank. drift[a]: where the map keeps a
-   Mach number M, the drift of each point in direction a, which is M k rounded to a fraction (MpmMachNearest); else NULL.
-   unstable, undecided: the number of such points. worst: the point that grows fastest. finding: unstable when any point is, stable when all are.
+   Mach number M, the drift of each point in direction a, which is M k rounded to a fraction (MpmMachNearest); else
+   NULL. unstable, undecided: the number of such points. worst: the point that grows fastest. finding: unstable when any
+   point is, stable when all are.
 
    published_limit: where one axis is the Courant number, the largest at which, according to the slides, particles at
    rest are stable wherever they are; NaN when the slides do not treat the scene. limits: NULL until
@@ -45,8 +46,8 @@ PetscErrorCode MpmStabilityMapCreate(const MpmScene *scene, const MpmRequest *re
 PetscErrorCode MpmStabilityMapDestroy(MpmStabilityMap **map);
 
 /*
-   MpmStabilityMapBegin, MpmStabilityMapSum - make an empty map of a request, whose scene or program, waves and phases are
-   set after it; and count its points when all are known.
+   MpmStabilityMapBegin, MpmStabilityMapSum - make an empty map of a request, whose scene or program, waves and phases
+   are set after it; and count its points when all are known.
 
    Collective. Parts of making a map.
 */

@@ -22,13 +22,13 @@ typedef struct {
 /*S
    MpmTangents - perturbations that go with a run.
 
-   Perturbations are measured in x / h, v / c and F / F0, where c is the wave speed that the Courant number has and F0 the
-   stretch at the start: their norm is the square root of the sum of the squares over all particles.
+   Perturbations are measured in x / h, v / c and F / F0, where c is the wave speed that the Courant number has and F0
+   the stretch at the start: their norm is the square root of the sum of the squares over all particles.
 
    window, exponents - the steps of a window, and the number of perturbations that are followed
    steps      - the number of steps that they have been followed
-   log_growth - log_growth[i]: the sum of the logarithms of the growth of perturbation i in each step, where what lies in
-                the directions of those before it is taken away (QR)
+   log_growth - log_growth[i]: the sum of the logarithms of the growth of perturbation i in each step, where what lies
+                in the directions of those before it is taken away (QR)
    nwindows, at - the windows and their parts: of 5 steps from the beginning of a window, 10, 20 and so on
    warned     - how many of them had a warning, and first, last: the last steps of the first and the last of these
    largest    - the one with the largest excess, and excess: its norm / (1 + waves)
@@ -57,8 +57,8 @@ typedef struct {
 PetscErrorCode MpmTangentsCreate(const MpmMarch *march, const MpmRequest *request, MpmTangents **tangents);
 
 /*
-   MpmTangentsStep - takes the perturbations through the step that the march takes next. At the end of a window, and of its
-   parts, it finds the largest growth, and prints a warning where this is more than warn_above (1 + waves).
+   MpmTangentsStep - takes the perturbations through the step that the march takes next. At the end of a window, and of
+   its parts, it finds the largest growth, and prints a warning where this is more than warn_above (1 + waves).
 
    Collective.
 */

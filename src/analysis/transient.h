@@ -1,6 +1,6 @@
 /*
-   Transient growth: how large a state can become within n steps, even if no eigenvalue shows growth; and the pseudospectrum,
-   sigma(z), the smallest singular value of z - A, with the bounds on norm(A^n) that follow from it.
+   Transient growth: how large a state can become within n steps, even if no eigenvalue shows growth; and the
+   pseudospectrum, sigma(z), the smallest singular value of z - A, with the bounds on norm(A^n) that follow from it.
 */
 #pragma once
 #include "linalg/reduced.h"
@@ -25,12 +25,12 @@ typedef struct {
 } MpmTransient;
 
 /*
-   MpmTransientCreate - computes norms up to a last step, at all steps up to 16 and then at steps spaced by a quarter. Of
-   a matrix that was given and covers several steps, these are periods, and last is at least one period.
+   MpmTransientCreate - computes norms up to a last step, at all steps up to 16 and then at steps spaced by a quarter.
+   Of a matrix that was given and covers several steps, these are periods, and last is at least one period.
 
    Collective; needs SLEPc initialized. nodal: NULL, or the nodes' operator of op, whose powers then take the place of
-   those of the particles' (linalg/reduced.h). growth: per step, that of the spectrum (NaN: not known). The relative error of a
-   norm is at most 1e-6, and that of rounding where it is separate from the next singular value.
+   those of the particles' (linalg/reduced.h). growth: per step, that of the spectrum (NaN: not known). The relative
+   error of a norm is at most 1e-6, and that of rounding where it is separate from the next singular value.
 */
 PetscErrorCode MpmTransientCreate(const MpmOperator *op, const MpmReduced *nodal, PetscInt last, PetscReal growth,
                                   MpmTransient **transient);

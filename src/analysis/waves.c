@@ -18,7 +18,10 @@ static const PetscReal finest[] = {0, 1e-7, 1e-5, 1e-3};
 #define SOURCE_WITHIN 0.5  /* searches go on from places with at least half of the largest growth */
 #define SOURCE_FINEST 1e-8 /* of a phase */
 
-/* Of a source, by dimension: the fewest points in (0, pi]. Under drift growth may be confined to a thousandth of the phases. */
+/*
+   Of a source, by dimension: the fewest points in (0, pi]. Under drift growth may be confined to a thousandth of the
+   phases.
+*/
 static const PetscInt fewest[] = {0, 1024, 32, 4};
 
 PetscErrorCode MpmWavesCreate(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction drift[], MpmWaves *w)

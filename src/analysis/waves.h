@@ -1,6 +1,6 @@
 /*
-   Waves: growth(k, beta) of a scheme on a uniform layout, which every search over phases and Courant numbers asks for, and the
-   largest of all phases.
+   Waves: growth(k, beta) of a scheme on a uniform layout, which every search over phases and Courant numbers asks for,
+   and the largest of all phases.
 */
 #pragma once
 #include "symbol/bloch.h"
@@ -69,8 +69,8 @@ PetscErrorCode MpmRefinedGrowth(MPI_Comm comm, const MpmLayout *layout, const Mp
 PetscErrorCode MpmRefinedFinding(const MpmRefined *refined, PetscReal tolerance, MpmFinding *finding);
 
 /*
-   MpmWorstPhase - the phase of largest growth of a source, sought over all phases and not only at equally spaced ones by
-   MpmZoomLeast, which begins with about as many phases as a symbol has.
+   MpmWorstPhase - the phase of largest growth of a source, sought over all phases and not only at equally spaced ones
+   by MpmZoomLeast, which begins with about as many phases as a symbol has.
 
    Collective. phases: of the symbol in each direction. Output: the phase in (-pi, pi], and what is there.
 */

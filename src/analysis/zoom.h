@@ -43,7 +43,8 @@ typedef struct {
 +  beta  - its phases, in (-pi, pi]
 -  value - infinite where the function is infinite or NaN everywhere; beta is then NaN
 
-   From each start the search goes down by steps in all directions and on all diagonals (MpmSearchDescend). The result does not depend on the number of ranks.
+   From each start the search goes down by steps in all directions and on all diagonals (MpmSearchDescend). The result
+   does not depend on the number of ranks.
 */
 PetscErrorCode MpmZoomLeast(const MpmZoom *zoom, MpmZoomFunction f, void *context, PetscReal beta[], PetscReal *value);
 

@@ -71,7 +71,9 @@ static int Milliseconds(PetscReal seconds)
 
 /* ---- the command ---- */
 
-/* Splits a command into words in place; words ends with NULL. Returns their number, or -1 for an open quotation mark. */
+/*
+   Splits a command into words in place; words ends with NULL. Returns their number, or -1 for an open quotation mark.
+*/
 static int Split(char *text, int room, char *words[])
 {
   char *to = text, quote = '\0';
@@ -128,7 +130,10 @@ static void Note(int number)
   if (number != SIGCHLD) asked = number; /* each of them ends ppoll */
 }
 
-/* Kills the program's group, and then all that has become the watcher's because its parent has ended, until none is left. */
+/*
+   Kills the program's group, and then all that has become the watcher's because its parent has ended, until none is
+   left.
+*/
 static void KillAll(pid_t program)
 {
   char children[64], text[4096];
@@ -159,11 +164,11 @@ static void EndBy(int number)
 }
 
 /*
-   The watcher: a process between this one and the program. It waits for the end of the program, whose status it ends with, or
-   until the pipe 'life' closes, which it does when this process ends in whatever way, or until a signal asks it to end. In all
-   cases it kills what is left of the program and of all that the program has started, also what has left the program's
-   process group. It has a name of its own, so that 'pkill -KILL mpmstab' leaves it time to do so. It starts with all signals
-   blocked, and takes them only in ppoll.
+   The watcher: a process between this one and the program. It waits for the end of the program, whose status it ends
+   with, or until the pipe 'life' closes, which it does when this process ends in whatever way, or until a signal asks
+   it to end. In all cases it kills what is left of the program and of all that the program has started, also what has
+   left the program's process group. It has a name of its own, so that 'pkill -KILL mpmstab' leaves it time to do so. It
+   starts with all signals blocked, and takes them only in ppoll.
 */
 static void Watch(char *const words[], const int pipes[3][2], int report, int life)
 {
@@ -280,7 +285,10 @@ static void Close(int *file)
   *file = -1;
 }
 
-/* Keeps the end of what comes on standard error. Takes no more at once than a pipe holds: a child may write without end. */
+/*
+   Keeps the end of what comes on standard error. Takes no more at once than a pipe holds: a child may write without
+   end.
+*/
 static void ReadErrors(MpmChild *c)
 {
   char    piece[4096];

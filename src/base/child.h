@@ -1,6 +1,6 @@
 /*
-   Child: another program that this process runs and talks to through pipes, its standard input and output. A talk is one
-   message to the child and one answer from it.
+   Child: another program that this process runs and talks to through pipes, its standard input and output. A talk is
+   one message to the child and one answer from it.
 
    A child fails in its own way on each rank, so these functions return no PetscError for what the child does. They note
    the first failure in the child's failure, and do nothing after it; the caller tells all ranks.

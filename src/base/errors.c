@@ -1,6 +1,6 @@
 /*
-   Starts and ends MPI, PETSc and SLEPc, and handles errors. A refusal prints one line, and so does an error that memory or
-   one of PETSc's options has caused. Any other error keeps PETSc's stack trace.
+   Starts and ends MPI, PETSc and SLEPc, and handles errors. A refusal prints one line, and so does an error that memory
+   or one of PETSc's options has caused. Any other error keeps PETSc's stack trace.
 */
 #include "base/errors_private.h"
 #include "base/launch.h"

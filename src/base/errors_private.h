@@ -4,7 +4,8 @@
 #include <mpmstab/errors.h>
 
 /*
-   MpmErrorsGivenOptions - adds the options of PETSc and SLEPc that the user has given, as '-name value' with blanks between.
+   MpmErrorsGivenOptions - adds the options of PETSc and SLEPc that the user has given, as '-name value' with blanks
+                           between.
 
    Not collective.
 */

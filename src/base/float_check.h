@@ -6,8 +6,8 @@
 /*S
    MpmFloatCheck - what the checks of a run remember.
 
-   left says whether a number has left the range of doubles. An unstable scheme does that in the end, and it is no error.
-   From then on sound operations meet infinities and become invalid, so the checks report nothing more.
+   left says whether a number has left the range of doubles. An unstable scheme does that in the end, and it is no
+   error. From then on sound operations meet infinities and become invalid, so the checks report nothing more.
 S*/
 typedef struct {
   PetscBool left;

@@ -45,8 +45,8 @@ static hid_t Try(MpmHdf5 *f, hid_t result)
 
 /*
    Comes before HDF5's first call, which reads the variable. Its locks are switched off. Some file systems do not have
-   them, and they are not needed: no other program uses the temporary name of a file that is being written. Links to other
-   files are not followed: a file that is read must not open others, of which one may be a pipe that never ends.
+   them, and they are not needed: no other program uses the temporary name of a file that is being written. Links to
+   other files are not followed: a file that is read must not open others, of which one may be a pipe that never ends.
 */
 static PetscErrorCode Prepare(void)
 {

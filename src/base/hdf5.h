@@ -82,12 +82,12 @@ PetscErrorCode MpmHdf5Length(MpmHdf5 *file, const char name[], hid_t type, Petsc
 void MpmHdf5Read(MpmHdf5 *file, const char name[], hid_t type, PetscInt64 begin, PetscInt64 n, void *part);
 
 /*
-   MpmHdf5Array - finds the extents of an array of numbers, whole or real, of at most room dimensions. Returns whether there
-   is one that does not claim more than the file can hold.
+   MpmHdf5Array - finds the extents of an array of numbers, whole or real, of at most room dimensions. Returns whether
+   there is one that does not claim more than the file can hold.
    MpmHdf5ReadArray - reads all its numbers as doubles. If that fails, the file has failed.
    MpmHdf5ReadText - reads the text of an attribute, of fixed or variable length. Returns whether it has been read.
-   MpmHdf5Group - the name of the i-th member of the root, if it is a group; "" if it is none. Returns whether there is an
-   i-th member.
+   MpmHdf5Group - the name of the i-th member of the root, if it is a group; "" if it is none. Returns whether there is
+   an i-th member.
 
    Not collective.
 */

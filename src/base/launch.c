@@ -73,7 +73,10 @@ int MpmLaunchOptionFile(int i, size_t room, char name[])
   return 1;
 }
 
-/* Returns whether PETSc can read a file of options without waiting, and whole. PETSc says itself which file is not there. */
+/*
+   Returns whether PETSc can read a file of options without waiting, and whole. PETSc says itself which file is not
+   there.
+*/
 static int CanBeRead(const char name[], const char instead[])
 {
   char        why[160];

@@ -3,8 +3,8 @@
 #include <stddef.h>
 
 /*
-   MpmLaunchAlone - tells Open MPI, by environment variables, that there is one process and no other to talk to. Open MPI
-   then neither starts a daemon nor looks for a network or for devices. A small task takes 0.05 s instead of 0.36 s.
+   MpmLaunchAlone - tells Open MPI, by environment variables, that there is one process and no other to talk to. Open
+   MPI then neither starts a daemon nor looks for a network or for devices. A small task takes 0.05 s instead of 0.36 s.
 
    Not collective. Call it before MPI_Init. It does nothing when a launcher has started the process. Variables that are
    set already stay as they are. Other MPI libraries read none of them but that of hwloc.
@@ -32,16 +32,16 @@ int MpmLaunchMemory(void);
 void MpmLaunchRefuse(const char what[], const char why[]);
 
 /*
-   MpmLaunchOptionFile - gives the names of the files in which PETSc looks for options, the one that overrules the others
-   first. Returns 0 when there is no i-th.
+   MpmLaunchOptionFile - gives the names of the files in which PETSc looks for options, the one that overrules the
+   others first. Returns 0 when there is no i-th.
 
    Not collective.
 */
 int MpmLaunchOptionFile(int i, size_t room, char name[]);
 
 /*
-   MpmLaunchOptionFiles - returns whether the files in which PETSc looks for options, and those that -options_file names,
-   can be read without waiting, and are not too large. Otherwise the first rank prints which one cannot.
+   MpmLaunchOptionFiles - returns whether the files in which PETSc looks for options, and those that -options_file
+   names, can be read without waiting, and are not too large. Otherwise the first rank prints which one cannot.
 
    Not collective; call it before PetscInitialize, which would wait for ever for the writer of a pipe.
 */

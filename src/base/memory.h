@@ -11,8 +11,8 @@
 PetscErrorCode MpmMemoryCheck(MPI_Comm comm, const char size[], PetscReal bytes, const char what[]);
 
 /*
-   MpmMemoryRoom - says in why that this rank alone has no room for so many bytes of a file, and what is allowed. Else why
-   stays as it is.
+   MpmMemoryRoom - says in why that this rank alone has no room for so many bytes of a file, and what is allowed. Else
+   why stays as it is.
 
    Not collective.
 */

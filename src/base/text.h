@@ -4,8 +4,8 @@
 #include <stdarg.h>
 
 /*
-   A text that grows, for names, values and files of a user and for lists of them. {0} is one without characters; text is
-   then NULL.
+   A text that grows, for names, values and files of a user and for lists of them. {0} is one without characters; text
+   is then NULL.
 */
 typedef struct {
   char  *text;
@@ -20,9 +20,9 @@ void           MpmTextFree(MpmText *text);
 char *MpmTextMade(const char format[], va_list arguments) __attribute__((format(printf, 1, 0)));
 
 /*
-   MpmTextJoin - appends to a text in memory of room bytes, for numbers and for words of this program. What does not fit is
-   left out, and the text then ends with "...". PetscStrlcat of PETSc 3.18 writes beyond the memory there: it takes the
-   length of what it adds from the room, where the length of both counts.
+   MpmTextJoin - appends to a text in memory of room bytes, for numbers and for words of this program. What does not fit
+   is left out, and the text then ends with "...". PetscStrlcat of PETSc 3.18 writes beyond the memory there: it takes
+   the length of what it adds from the room, where the length of both counts.
 
    Not collective.
 */

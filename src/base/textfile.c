@@ -1,7 +1,7 @@
 /*
    Files: which one a name means; temporary names, and the list of files that this process has not finished; text files,
-   which are written under such a name, checked, and renamed. MpmFileCreate and MpmFileFinish serve any file that the first
-   rank writes.
+   which are written under such a name, checked, and renamed. MpmFileCreate and MpmFileFinish serve any file that the
+   first rank writes.
 */
 #include "base/hash.h"
 #include "base/textfile.h"
@@ -103,8 +103,8 @@ static unsigned Random(void)
 }
 
 /*
-   Creates an empty file under a new temporary name beside path. Returns an errno. The name is registered before the file is
-   made, so that a signal in between leaves no file.
+   Creates an empty file under a new temporary name beside path. Returns an errno. The name is registered before the
+   file is made, so that a signal in between leaves no file.
 */
 static int CreatePart(const char path[], char part[PETSC_MAX_PATH_LEN])
 {
@@ -226,8 +226,8 @@ static void RemoveUnlocked(const char part[])
 }
 
 /*
-   Removes the unfinished files that dead processes of this host have left beside path. It keeps a file of another host, of
-   a process that runs, or one that is locked.
+   Removes the unfinished files that dead processes of this host have left beside path. It keeps a file of another host,
+   of a process that runs, or one that is locked.
 */
 static void ClearParts(const char path[])
 {

@@ -1,7 +1,7 @@
 /*
-   Files that appear whole or not at all: a file is written under a temporary name, PATH.HOST-PID-RANDOM.part, and gets its
-   own name when it is finished. The temporary name belongs to this process alone, so that no other program writes to the
-   file or removes it; the file is locked (flock) until then.
+   Files that appear whole or not at all: a file is written under a temporary name, PATH.HOST-PID-RANDOM.part, and gets
+   its own name when it is finished. The temporary name belongs to this process alone, so that no other program writes
+   to the file or removes it; the file is locked (flock) until then.
 */
 #pragma once
 #include <mpmstab/compat.h>
@@ -25,8 +25,8 @@ PetscErrorCode MpmFileCreate(MPI_Comm comm, const char path[], char part[PETSC_M
 PetscErrorCode MpmFileFinish(MPI_Comm comm, const char path[], const char part[], int *error);
 
 /*
-   Not collective; only the first rank writes files. MpmUnfinishedDrop removes one file, MpmUnfinishedRemove all files that
-   this process has not finished. The second function may be called from a signal handler.
+   Not collective; only the first rank writes files. MpmUnfinishedDrop removes one file, MpmUnfinishedRemove all files
+   that this process has not finished. The second function may be called from a signal handler.
 */
 void MpmUnfinishedDrop(const char part[]);
 void MpmUnfinishedRemove(void);
@@ -34,8 +34,8 @@ void MpmUnfinishedRemove(void);
 /*
    MpmFileOpen - opens a file to read. MpmFileReason - what its error means.
 
-   Not collective. Returns NULL, and error as an errno or -1, where there is no such file, or where it is a folder, a pipe
-   or a device: what reads a file of a user must neither wait nor read without end.
+   Not collective. Returns NULL, and error as an errno or -1, where there is no such file, or where it is a folder, a
+   pipe or a device: what reads a file of a user must neither wait nor read without end.
 */
 FILE       *MpmFileOpen(const char path[], int *error);
 const char *MpmFileReason(int error);
@@ -71,8 +71,8 @@ void MpmTextFileDrop(MpmTextFile *file);
 void MpmTextFileAbandon(void);
 
 /*
-   MpmFileIsSame - whether two names are of one file: there is one file with both names, by links of any kind, or they are
-   the same name in the same folder, where there may be no file yet.
+   MpmFileIsSame - whether two names are of one file: there is one file with both names, by links of any kind, or they
+   are the same name in the same folder, where there may be no file yet.
 
    Not collective.
 */

@@ -53,8 +53,8 @@ PetscBool MpmArrayIsWhole(const MpmArray *array, PetscReal lo)
 }
 
 /*
-   Arrays by name in HDF5, as many programs write them: datasets of the root or of a group, with attributes for what is one
-   number or a text.
+   Arrays by name in HDF5, as many programs write them: datasets of the root or of a group, with attributes for what is
+   one number or a text.
 */
 
 #define PATH_TEXT 160
@@ -137,8 +137,8 @@ static PetscErrorCode ReadHdf5(const char path[], const char *const names[], Mpm
 }
 
 /*
-   numpy's .npz: a zip archive whose members NAME.npy are arrays (NEP 1). An array is a line of Python that says type and
-   shape, and then its numbers.
+   numpy's .npz: a zip archive whose members NAME.npy are arrays (NEP 1). An array is a line of Python that says type
+   and shape, and then its numbers.
 */
 
 #define MAGIC "\x93NUMPY"
@@ -147,7 +147,9 @@ static PetscErrorCode ReadHdf5(const char path[], const char *const names[], Mpm
 #define ARCHIVE "a zip archive in memory"
 #define DAY 315619200 /* 2 January 1980, since 1970: a file does not depend on when it was written */
 
-/* The type of an array's numbers: 'f', 'i', 'u', 'b', 'S' or 'U', bytes of one, and whether bytes come the other way. */
+/*
+   The type of an array's numbers: 'f', 'i', 'u', 'b', 'S' or 'U', bytes of one, and whether bytes come the other way.
+*/
 typedef struct {
   char      kind;
   size_t    width;

@@ -1,8 +1,8 @@
 /*
    Arrays by name in a file: of numpy's .npz, or of HDF5. Matrices and blocks of other programs come and go in them.
 
-   The functions are not collective: the first rank reads and writes, and tells the others. A file that cannot be read is
-   no error of the program; why then says what is wrong with it and what is allowed, and else it is "".
+   The functions are not collective: the first rank reads and writes, and tells the others. A file that cannot be read
+   is no error of the program; why then says what is wrong with it and what is allowed, and else it is "".
 */
 #pragma once
 #include <mpmstab/compat.h>

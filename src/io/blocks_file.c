@@ -11,8 +11,8 @@
 #include <string.h>
 
 /*
-   Blocks of a matrix whose particles have known places. Particle i is in cell c(i), at site j(i) of it. The block A_d has the
-   entries from the particles of the middle cell m to those of the cell m + d:
+   Blocks of a matrix whose particles have known places. Particle i is in cell c(i), at site j(i) of it. The block A_d
+   has the entries from the particles of the middle cell m to those of the cell m + d:
 
      A_d[j(i), j(k)] = A[i, k]   with c(k) = m, c(i) = m + d
 
@@ -26,8 +26,8 @@
 #define ALIKE_SINGLE 0.01
 
 /*S
-   Felt - the cells of a matrix. width: the numbers of a particle; reach: how far the middle cell is felt in each direction, in
-   cells.
+   Felt - the cells of a matrix. width: the numbers of a particle; reach: how far the middle cell is felt in each
+   direction, in cells.
 S*/
 typedef struct {
   const MpmHooked *said;

@@ -1,6 +1,6 @@
 /*
-   Checks of a checkpoint: that its bytes are those that were written, by a checksum; that what all ranks hold is of the scene,
-   and possible; and particles and nodes after they are read.
+   Checks of a checkpoint: that its bytes are those that were written, by a checksum; that what all ranks hold is of the
+   scene, and possible; and particles and nodes after they are read.
 */
 #include "analysis/run.h"
 #include "base/hash.h"
@@ -376,10 +376,10 @@ static PetscErrorCode CheckIds(const MpmMarch *march, const char path[])
 }
 
 /*
-   Counts the particles that are where none can be along an axis. A particle must be within its cell. The cell must be in
-   this rank's part of the grid, or in the grid if another rank wrote it. Drift may have moved the particle away from its
-   cell by less than slack, and so may its own velocity have done. A cell of -1 belongs to a particle that drift had already moved into cell 0. In one dimension
-   particles must be in the order of their cells, since passes rely on it.
+   Counts the particles that are where none can be along an axis. A particle must be within its cell. The cell must be
+   in this rank's part of the grid, or in the grid if another rank wrote it. Drift may have moved the particle away from
+   its cell by less than slack, and so may its own velocity have done. A cell of -1 belongs to a particle that drift had
+   already moved into cell 0. In one dimension particles must be in the order of their cells, since passes rely on it.
 */
 static PetscErrorCode CountMisplaced(const MpmMarch *march, PetscBool same, PetscInt a, PetscInt64 *bad)
 {

@@ -19,8 +19,8 @@ static inline PetscInt MpmAtRebased(PetscInt axis)
 enum { MPM_ENERGY_FIRST, MPM_ENERGY_LAST, MPM_ENERGY_RATIO, MPM_LOG_ENERGY_FIRST, MPM_NUMBERS };
 
 /*
-   The entries of the array 'pace' of a run that chooses its steps: the sum of their Courant numbers, that of the last one, and what
-   MpmPace says of them.
+   The entries of the array 'pace' of a run that chooses its steps: the sum of their Courant numbers, that of the last
+   one, and what MpmPace says of them.
 */
 enum {
   MPM_PACE_ELAPSED,

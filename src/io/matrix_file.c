@@ -1,4 +1,7 @@
-/* Reads a matrix on the first rank, checks it, and deals it to all ranks; writes one in the format that its name's ending says. */
+/*
+   Reads a matrix on the first rank, checks it, and deals it to all ranks; writes one in the format that its name's
+   ending says.
+*/
 #include "base/hdf5.h"
 #include "base/memory.h"
 #include "base/textfile.h"

@@ -7,9 +7,9 @@
      .h5 .hdf5   arrays data, indices, indptr (with format csc by columns), or MATLAB's data, ir, jc
      .petsc      PETSc's binary, of PetscInt with 32 or 64 bits
 
-   Blocks are arrays of .npz or HDF5: d (blocks x directions, whole numbers), A (blocks x unknowns x unknowns), and if known
-   steps and cell_width, each one number. A matrix of a whole grid that the hook has written gives blocks, too, if all cells
-   are alike.
+   Blocks are arrays of .npz or HDF5: d (blocks x directions, whole numbers), A (blocks x unknowns x unknowns), and if
+   known steps and cell_width, each one number. A matrix of a whole grid that the hook has written gives blocks, too, if
+   all cells are alike.
 */
 #pragma once
 #include "io/arrays.h"
@@ -21,8 +21,9 @@
 #define MPM_MATRIX_ENTRIES 3e8 /* the most that a file may have */
 
 /*S
-   MpmEntries - the entries of a matrix that is read, in any order, with room for a diagonal; those of one place are added.
-   Rows and columns count from 0. steps: that the matrix covers; 0: the file does not say. hooked: what the hook says of it.
+   MpmEntries - the entries of a matrix that is read, in any order, with room for a diagonal; those of one place are
+   added. Rows and columns count from 0. steps: that the matrix covers; 0: the file does not say. hooked: what the hook
+   says of it.
 S*/
 typedef struct {
   PetscInt64 rows, columns, n, steps;
@@ -32,8 +33,8 @@ typedef struct {
 } MpmEntries;
 
 /*S
-   MpmCsr - a square matrix row by row: those of row i are begin[i] to begin[i + 1], by their columns. The first rank has
-   all rows, the others none.
+   MpmCsr - a square matrix row by row: those of row i are begin[i] to begin[i + 1], by their columns. The first rank
+   has all rows, the others none.
 S*/
 typedef struct {
   Mat            *whole;
@@ -49,17 +50,21 @@ typedef struct {
 PetscErrorCode MpmEntriesRoom(PetscReal rows, PetscReal columns, PetscReal n, MpmEntries *entries,
                               char why[MPM_WHY_TEXT]);
 void           MpmEntriesCheck(const MpmEntries *entries, char why[MPM_WHY_TEXT]);
-/* Not collective. Takes entries to the scales of fields that the hook says, as those of a code that mpmstab itself probes. */
+/*
+   Not collective. Takes entries to the scales of fields that the hook says, as those of a code that mpmstab itself
+   probes.
+*/
 void MpmEntriesToScales(MpmEntries *entries);
 
 PetscErrorCode MpmEntriesFree(MpmEntries *entries);
 
 /*
-   MpmMatrixRead - reads a square matrix from a file. *steps: on entry what the user says that it covers, 0 if nothing; on
-   return what the user or the file says, else 1. certificates: what the hook says in the file; none are taken elsewhere.
+   MpmMatrixRead - reads a square matrix from a file. *steps: on entry what the user says that it covers, 0 if nothing;
+   on return what the user or the file says, else 1. certificates: what the hook says in the file; none are taken
+   elsewhere.
 
-   Collective. Errors: refuses (PETSC_ERR_USER_INPUT) what is no finite square matrix in one of the formats, and steps that
-   contradict the file's.
+   Collective. Errors: refuses (PETSC_ERR_USER_INPUT) what is no finite square matrix in one of the formats, and steps
+   that contradict the file's.
 */
 PetscErrorCode MpmMatrixRead(MPI_Comm comm, const char path[], PetscReal tolerance, PetscInt *steps,
                              MpmCertificates *certificates, Mat *A);

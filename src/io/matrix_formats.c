@@ -120,7 +120,10 @@ static void Put(MpmEntries *e, PetscInt row, PetscInt column, PetscReal value)
   e->value[e->n++] = value;
 }
 
-/* What is allowed in the place of an entry; NULL: nothing is wrong with it. number: row and column from 1, and the value. */
+/*
+   What is allowed in the place of an entry; NULL: nothing is wrong with it. number: row and column from 1, and the
+   value.
+*/
 static const char *WrongEntry(const Banner *b, const MpmEntries *e, const PetscReal number[])
 {
   if (!IsWhole(number[0], 1, (PetscReal)e->rows) || !IsWhole(number[1], 1, (PetscReal)e->columns))
@@ -133,7 +136,9 @@ static const char *WrongEntry(const Banner *b, const MpmEntries *e, const PetscR
   return NULL;
 }
 
-/* Reads the entries. Of a symmetric matrix the file has those below the diagonal, and of a skew one not the diagonal. */
+/*
+   Reads the entries. Of a symmetric matrix the file has those below the diagonal, and of a skew one not the diagonal.
+*/
 static PetscErrorCode ReadEntries(Line *line, const Banner *b, PetscInt64 listed, MpmEntries *e, char why[MPM_WHY_TEXT])
 {
   PetscInt64 row = b->skew, column = 0;
@@ -216,8 +221,8 @@ void MpmMatrixWriteText(const MpmCsr *c, PetscInt steps, FILE *stream)
 
 /*
    PETSc's binary format of a sparse matrix, as its manual page of MatView has it: class, rows, columns, entries, the
-   number of entries of each row, their columns, their values; whole numbers of 32 bits, or of 64 where PetscInt has them,
-   all with the highest byte first. Read by hand, since MatLoad takes any number in a damaged file for granted.
+   number of entries of each row, their columns, their values; whole numbers of 32 bits, or of 64 where PetscInt has
+   them, all with the highest byte first. Read by hand, since MatLoad takes any number in a damaged file for granted.
 */
 
 #define DENSE -1 /* in place of the number of entries */

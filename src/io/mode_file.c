@@ -1,6 +1,6 @@
 /*
-   Mode files: eigenvectors of an operator are written, and a run takes its initial data from them. What is read is checked
-   first, by the first rank alone; whatever it finds, all ranks refuse together.
+   Mode files: eigenvectors of an operator are written, and a run takes its initial data from them. What is read is
+   checked first, by the first rank alone; whatever it finds, all ranks refuse together.
 */
 #include "base/textfile.h"
 #include "io/mode_file.h"

@@ -252,8 +252,9 @@ static PetscErrorCode WriteCoordinates(MpmOutput *output, const char place[], co
 }
 
 /*
-   What layout FILE reads beside the places, in the scene's units: volumes of now, which go with det F, and masses, where they
-   are not the domain's shares, and moduli. F of a material that flows is its elastic part, so that its volumes are not known.
+   What layout FILE reads beside the places, in the scene's units: volumes of now, which go with det F, and masses,
+   where they are not the domain's shares, and moduli. F of a material that flows is its elastic part, so that its
+   volumes are not known.
 */
 static PetscErrorCode WriteProperties(MpmOutput *output, const char place[], const MpmMarch *march)
 {

@@ -7,8 +7,9 @@
    MpmOutput - the HDF5 file of a run.
 
    Groups /step_NNNNNNNNNN with attributes step and time hold particles/coordinates (n x dim, in one dimension n x 3, in
-   units of length, wrapped into the domain), particles/FIELD (n) in the order of global ids, and nodes/FIELD (nodes, ny x
-   nx or nz x ny x nx), the P2G of each particle field. FIELD is a register of the table, such as v_x or s_xy. Values beyond the range of doubles are infinite. Scene and version are attributes of the root.
+   units of length, wrapped into the domain), particles/FIELD (n) in the order of global ids, and nodes/FIELD (nodes, ny
+   x nx or nz x ny x nx), the P2G of each particle field. FIELD is a register of the table, such as v_x or s_xy. Values
+   beyond the range of doubles are infinite. Scene and version are attributes of the root.
 S*/
 typedef struct MpmOutput_ MpmOutput;
 

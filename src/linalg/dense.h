@@ -31,7 +31,8 @@ PetscErrorCode MpmDenseEigen(PetscInt n, PetscReal a[], PetscReal re[], PetscRea
 
 /*
    MpmDenseSymmetric - all eigenvalues, ascending, of a real symmetric matrix and their vectors of norm 1 by LAPACK's
-   dsyevd. It divides the problem and conquers it, which at order 1000 is several times as fast as the QR steps of dsyev.
+   dsyevd. It divides the problem and conquers it, which at order 1000 is several times as fast as the QR steps of
+   dsyev.
 
    Not collective. a: n x n by columns; the vectors, by columns, take its place.
 */
@@ -41,18 +42,18 @@ PetscErrorCode MpmDenseSymmetric(PetscInt n, PetscReal a[], PetscReal value[]);
    MpmDenseNullity - the number of columns of a matrix minus its rank. Singular values below tolerance, relative to the
    largest, count as 0; a tolerance of 1e-12 is the least that makes sense.
 
-   Collective. All singular values come from eigenvalues of the smaller of the products with the transpose, and those that
-   such a product cannot tell from 0 from the singular values of the matrix on the space of their vectors.
+   Collective. All singular values come from eigenvalues of the smaller of the products with the transpose, and those
+   that such a product cannot tell from 0 from the singular values of the matrix on the space of their vectors.
 */
 PetscErrorCode MpmDenseNullity(Mat matrix, PetscReal tolerance, PetscInt *nullity);
 
 /*
-   MpmPencilLeast - the least x > 0 at which C_0 + x C_1 has the eigenvalue -1; infinite: there is none. NaN: C_0 itself has it,
-   or LAPACK failed.
+   MpmPencilLeast - the least x > 0 at which C_0 + x C_1 has the eigenvalue -1; infinite: there is none. NaN: C_0 itself
+   has it, or LAPACK failed.
 
-   Not collective. C_0, C_1: n x n by columns; C_0 is overwritten. -1 / x is an eigenvalue of (C_0 + 1)^-1 C_1. With E_R the
-   unit vectors of the rows R that are not 0 in C_1, the eigenvalues of this matrix that are not 0 are those of
-   C_1[R, :] (C_0 + 1)^-1 E_R, which is smaller: half of the rows of a nodal operator are its stresses, and nodes without
-   mass have none.
+   Not collective. C_0, C_1: n x n by columns; C_0 is overwritten. -1 / x is an eigenvalue of (C_0 + 1)^-1 C_1. With E_R
+   the unit vectors of the rows R that are not 0 in C_1, the eigenvalues of this matrix that are not 0 are those of
+   C_1[R, :] (C_0 + 1)^-1 E_R, which is smaller: half of the rows of a nodal operator are its stresses, and nodes
+   without mass have none.
 */
 PetscErrorCode MpmPencilLeast(PetscInt n, PetscReal C0[], const PetscReal C1[], PetscReal *x);

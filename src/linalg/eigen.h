@@ -29,10 +29,10 @@ MpmEigenMethod MpmEigenChoose(PetscInt order, PetscBool has_symbol);
 
    complete: all eigenvalues are listed. converged: as many were found as were asked for. largest: the solver has
    converged, it sought the largest abs of all eigenvalues, and no result was rejected. leftmost: the same of the least
-   real part. failed: the solver gave up,
-   since a factorization broke down or A is not finite. nilpotent: all eigenvalues are 0, and one of them is listed, with the
-   unit vector of the unknown unit (MpmNilpotentFind, linalg/eigen_parts.h). small: of a solve by a smaller matrix (reduced), its eigenvalues;
-   else NULL. vector: gives the vector of listed pair j of such a solve, before it is scaled.
+   real part. failed: the solver gave up, since a factorization broke down or A is not finite. nilpotent: all
+   eigenvalues are 0, and one of them is listed, with the unit vector of the unknown unit (MpmNilpotentFind,
+   linalg/eigen_parts.h). small: of a solve by a smaller matrix (reduced), its eigenvalues; else NULL. vector: gives the
+   vector of listed pair j of such a solve, before it is scaled.
 S*/
 typedef struct MpmEigen MpmEigen;
 struct MpmEigen {
@@ -70,10 +70,10 @@ PetscErrorCode MpmEigenSolve(Mat A, const char prefix[], MpmEigenMethod method, 
                              MpmEigen **eigen);
 
 /*
-   MpmEigenSolveReduced - MpmEigenSolve of a matrix that has a smaller one, which must outlive the result. Eigenvalues are sought
-   of the smaller one and listed, with their lifted vectors, as those of A. The numbers that A keeps are listed beside all
-   eigenvalues, beside those of largest abs where they belong to them, and once beside the leftmost; vectors for these are
-   random.
+   MpmEigenSolveReduced - MpmEigenSolve of a matrix that has a smaller one, which must outlive the result. Eigenvalues
+   are sought of the smaller one and listed, with their lifted vectors, as those of A. The numbers that A keeps are
+   listed beside all eigenvalues, beside those of largest abs where they belong to them, and once beside the leftmost;
+   vectors for these are random.
 
    Collective.
 */
@@ -83,8 +83,8 @@ PetscErrorCode MpmEigenSolveReduced(Mat A, const MpmReduced *reduced, const char
 PetscErrorCode MpmEigenDestroy(MpmEigen **eigen);
 
 /*
-   MpmEigenRitz - the eigenvalues of A on the space of given vectors and their images, if they are eigenvalues of A: those
-   with a residual above 1e-7 are not listed.
+   MpmEigenRitz - the eigenvalues of A on the space of given vectors and their images, if they are eigenvalues of A:
+   those with a residual above 1e-7 are not listed.
 
    Collective. The vectors are scaled. A may be a shell.
 */
@@ -119,10 +119,10 @@ PetscErrorCode MpmEigenCondition(const MpmEigen *eigen, PetscInt j, PetscReal *c
 
 /*
    MpmEigenListBegin - memory for up to so many pairs
-   MpmEigenTry - lists a pair if its vector, which place says, is an eigenvector. rest: its residual where that is known, or
-             NAN
-   MpmEigenListEnd - sorts by -abs, then by the angle from the positive real axis; of a pair the upper half comes first. The
-             angle enters the key with a small weight, so that rounding of the abs does not decide the order.
+   MpmEigenTry - lists a pair if its vector, which place says, is an eigenvector. rest: its residual where that is
+             known, or NAN
+   MpmEigenListEnd - sorts by -abs, then by the angle from the positive real axis; of a pair the upper half comes first.
+             The angle enters the key with a small weight, so that rounding of the abs does not decide the order.
 
    Collective.
 */
@@ -134,10 +134,10 @@ PetscErrorCode MpmEigenListEnd(MpmEigen *e);
 PetscErrorCode MpmEigenNorm(Mat A, PetscReal *norm);
 
 /*
-   MpmPencilLeastKrylov - the number of MpmPencilLeast (linalg/dense.h) of sparse matrices, by a Krylov space. NaN: the solver
-   found no eigenvalue.
+   MpmPencilLeastKrylov - the number of MpmPencilLeast (linalg/dense.h) of sparse matrices, by a Krylov space. NaN: the
+   solver found no eigenvalue.
 
-   Collective. C_0 is overwritten by C_0 + 1, whose systems GMRES solves: C_0 is what a transfer keeps of nodal velocities, with
-   eigenvalues from 0 to 1.
+   Collective. C_0 is overwritten by C_0 + 1, whose systems GMRES solves: C_0 is what a transfer keeps of nodal
+   velocities, with eigenvalues from 0 to 1.
 */
 PetscErrorCode MpmPencilLeastKrylov(Mat C0, Mat C1, PetscReal *x);

@@ -112,8 +112,8 @@ PetscErrorCode MpmEigenDenseVector(const PetscReal rows[], const PetscReal value
 /*
    ---- vectors of a band ----
 
-   Inverse iteration: y = (A - z)^-1 b in complex arithmetic, with partial pivoting. b is eliminated along with the matrix,
-   so that only U is kept.
+   Inverse iteration: y = (A - z)^-1 b in complex arithmetic, with partial pivoting. b is eliminated along with the
+   matrix, so that only U is kept.
 
    Row i of the work space begins with column i - lower, or with column 0. When column i has been eliminated from a row,
    the row moves left by one number. So all rows that column i is eliminated from begin with this column, and they are

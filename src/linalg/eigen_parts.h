@@ -43,19 +43,20 @@ PetscErrorCode MpmBandVectorsDestroy(MpmBandVectors **band);
    Not collective. vectors: room for n x n. Order of eigenvalues and columns is that of MpmDenseEigen.
 
    For LAPACK's vector x of the eigenvalue z let r = norm(A x - z x). Then A - z is at most r from a singular matrix, so
-   the solution of (A - z) y = b has at least the norm abs(u^H b) / r, where u is a singular vector. For random b of norm
-   1 this is about 1 / (r sqrt(n)), and y / norm(y) has the residual 1 / norm(y). So the vectors are good wherever
+   the solution of (A - z) y = b has at least the norm abs(u^H b) / r, where u is a singular vector. For random b of
+   norm 1 this is about 1 / (r sqrt(n)), and y / norm(y) has the residual 1 / norm(y). So the vectors are good wherever
    LAPACK's are, near defective eigenvalues, too. Vectors of equal eigenvalues differ, since b differs.
 */
 PetscErrorCode MpmBandVectorsFind(MpmBandVectors *band, const PetscReal re[], const PetscReal im[],
                                   PetscReal vectors[]);
 
 /*
-   MpmNilpotentFind - finds whether a sparse matrix is strictly triangular in some order of its unknowns: no unknown feels
-   itself, be it over others. Krylov's method does not find the eigenvalues 0 of such a matrix, or finds others, since
-   rounding moves them far.
+   MpmNilpotentFind - finds whether a sparse matrix is strictly triangular in some order of its unknowns: no unknown
+   feels itself, be it over others. Krylov's method does not find the eigenvalues 0 of such a matrix, or finds others,
+   since rounding moves them far.
 
-   Collective. unit: an unknown whose unit vector the matrix maps to 0; -1 where the matrix is not of this kind, or not AIJ.
+   Collective. unit: an unknown whose unit vector the matrix maps to 0; -1 where the matrix is not of this kind, or not
+   AIJ.
 */
 PetscErrorCode MpmNilpotentFind(Mat A, PetscInt *unit);
 
@@ -67,7 +68,8 @@ PetscErrorCode MpmRitzMatrix(Mat A, const PetscReal target[2], Mat *T);
 /*
    MpmRitzExtract - computes eigenvalues (re, im) of A on the space spanned by given vectors X and by A X.
 
-   Collective. The vectors are scaled. basis: an orthonormal basis of that space. n: its dimension. The vector of value j is
+   Collective. The vectors are scaled. basis: an orthonormal basis of that space. n: its dimension. The vector of value
+   j is
 
      basis times coefficients[2 n j + (0 .. n-1)] + i basis times coefficients[2 n j + n + (0 .. n-1)]
 

@@ -61,8 +61,8 @@ static PetscErrorCode Vector(const MpmEigen *e, PetscInt j, Vec re, Vec im)
 }
 
 /*
-   How often kept number k is listed, which near eigenvalues of M are but for rounding. Beside eigenvalues of largest abs it is
-   one of them, if it is larger than the last.
+   How often kept number k is listed, which near eigenvalues of M are but for rounding. Beside eigenvalues of largest
+   abs it is one of them, if it is larger than the last.
 */
 static PetscInt TimesKept(const MpmEigen *e, PetscInt near, PetscInt k, PetscReal least)
 {

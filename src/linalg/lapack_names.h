@@ -1,4 +1,6 @@
-/* Names of routines of LAPACK and BLAS that PETSc with real scalars does not wrap: the complex ones and some real ones. */
+/*
+   Names of routines of LAPACK and BLAS that PETSc with real scalars does not wrap: the complex ones and some real ones.
+*/
 #pragma once
 #include <mpmstab/compat.h>
 #include <complex.h>

@@ -87,8 +87,8 @@ static void Support(PetscInt n, PetscInt degree, double complex *const c[], Pets
 }
 
 /*
-   C_0 ties together only what a step at Courant number 0 does: of a vector each component apart. Numbers the unknowns by
-   the block of C_0 that they are in; returns the number of blocks.
+   C_0 ties together only what a step at Courant number 0 does: of a vector each component apart. Numbers the unknowns
+   by the block of C_0 that they are in; returns the number of blocks.
 */
 static PetscInt FindBlocks(PetscInt n, const double complex c0[], PetscInt block[], PetscInt queue[])
 {

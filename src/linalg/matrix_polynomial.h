@@ -14,8 +14,8 @@
 
    Output Parameter: x - infinite where there is none
 
-   The coefficients but the first may have few rows or few columns that are not 0. With C_j = E R_j, E some columns of the
-   identity, the polynomial is singular where I + x R_1 C_0^-1 E + ... is, which is smaller.
+   The coefficients but the first may have few rows or few columns that are not 0. With C_j = E R_j, E some columns of
+   the identity, the polynomial is singular where I + x R_1 C_0^-1 E + ... is, which is smaller.
 */
 PetscErrorCode MpmPolynomialSingular(PetscInt n, PetscInt degree, double complex *const coefficient[], PetscReal *x);
 

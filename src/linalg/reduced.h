@@ -35,8 +35,8 @@ typedef struct {
 PetscErrorCode MpmReducedDestroy(MpmReduced **reduced);
 
 /*
-   MpmReducedCheck - the largest relative difference of A q from C q + B Z q and of M z from C' z + Z B z, of a few random
-   vectors q and z. All that is said above follows from these two.
+   MpmReducedCheck - the largest relative difference of A q from C q + B Z q and of M z from C' z + Z B z, of a few
+   random vectors q and z. All that is said above follows from these two.
 
    Collective. The result is kept in mismatch.
 */
@@ -61,7 +61,8 @@ PetscErrorCode MpmReducedUnseen(const MpmReduced *reduced, PetscInt k, PetscInt 
 PetscInt MpmReducedKept(const MpmReduced *reduced, PetscReal norm, PetscReal re, PetscReal im);
 
 /*
-   MpmReducedLargest - the eigenvalue of A of largest abs (real and imaginary part), found among all of M and C by LAPACK.
+   MpmReducedLargest - the eigenvalue of A of largest abs (real and imaginary part), found among all of M and C by
+                       LAPACK.
 
    Collective. The real part is infinite when M is not finite, and NaN when LAPACK did not converge.
 */
@@ -96,8 +97,8 @@ PetscErrorCode MpmReducedPowersCreate(const MpmReduced *reduced, Vec weights, Mp
 PetscErrorCode MpmReducedPowersDestroy(MpmReducedPowers *powers);
 
 /*
-   MpmReducedPowersMult - y = W A^n W^-1 x, or with transpose its transpose applied to x, over 2 to the power of the sum of the
-   first n numbers of shift.
+   MpmReducedPowersMult - y = W A^n W^-1 x, or with transpose its transpose applied to x, over 2 to the power of the sum
+   of the first n numbers of shift.
 
    Collective. After step j everything is divided by 2^shift[j], so that nothing leaves the range of doubles on the way.
 */

@@ -1,4 +1,7 @@
-/* Singular values: the largest of a matrix that has products and transposed products, and the smallest of z - A at any number of points z. */
+/*
+   Singular values: the largest of a matrix that has products and transposed products, and the smallest of z - A at any
+   number of points z.
+*/
 #pragma once
 #include <mpmstab/compat.h>
 #include <complex.h>
@@ -9,8 +12,8 @@
    Roman and Tomas 2008).
 
    Collective on PETSC_COMM_WORLD. start: a vector with components in every direction. basis: the most vectors of the
-   Krylov space, which is begun again when it is full. tolerance: of the relative residual; the error is about its square
-   over the gap. sigma: NaN when the solver does not converge.
+   Krylov space, which is begun again when it is full. tolerance: of the relative residual; the error is about its
+   square over the gap. sigma: NaN when the solver does not converge.
 */
 PetscErrorCode MpmSingularLargest(Mat matrix, Vec start, PetscInt basis, PetscReal tolerance, PetscReal *sigma);
 
@@ -21,8 +24,8 @@ PetscErrorCode MpmSingularTryOptions(void);
 PetscErrorCode MpmSingularStart(PetscInt64 seed, Vec start);
 
 /*
-   MpmNormBelow - the infinity norm from below: the largest number that a matrix makes of a few vectors of ones with random signs. It
-   is NaN where one of them is.
+   MpmNormBelow - the infinity norm from below: the largest number that a matrix makes of a few vectors of ones with
+   random signs. It is NaN where one of them is.
 
    Collective. For operators that have products alone: it may be their MATOP_NORM, and refuses other norms.
 */

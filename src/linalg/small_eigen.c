@@ -1,6 +1,7 @@
 /*
-   Eigenvalues of a small complex matrix by QR steps: LAPACK balances it, reflections make it a Hessenberg matrix, and rotations
-   make that triangular. Products of complex numbers are plain here (-fcx-limited-range), since no number is near overflow.
+   Eigenvalues of a small complex matrix by QR steps: LAPACK balances it, reflections make it a Hessenberg matrix, and
+   rotations make that triangular. Products of complex numbers are plain here (-fcx-limited-range), since no number is
+   near overflow.
 */
 #include "linalg/lapack_names.h"
 #include "linalg/small_eigen.h"

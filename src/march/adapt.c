@@ -181,7 +181,9 @@ static PetscErrorCode Rise(const MpmMarch *march, PetscReal factor, PetscReal *f
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The energy falls from factor 0 on and has risen at 1. Over the factor it is nearly straight: a secant that brackets. */
+/*
+   The energy falls from factor 0 on and has risen at 1. Over the factor it is nearly straight: a secant that brackets.
+*/
 static PetscErrorCode Find(const MpmMarch *march, PetscReal highest, PetscReal *factor)
 {
   PetscReal lo = 1, hi = 1, high = highest, low = highest, at = 1, rise, share = 1;

@@ -1,13 +1,15 @@
 /*
    Steps at finite deformation that are not taken as they are.
 
-   Halving: a step that cannot be taken, because its system does not converge or a particle is inverted or goes a cell or further,
-   is taken in 2, 4 and more equal parts.
+   Halving: a step that cannot be taken, because its system does not converge or a particle is inverted or goes a cell
+   or further, is taken in 2, 4 and more equal parts.
 
-   Relaxation: a step changes velocity and stretch of all particles by one factor times its increments, at most 1, so that the
-   energy of the particles does not rise. Places change as they do without it, since the energy does not depend on them.
+   Relaxation: a step changes velocity and stretch of all particles by one factor times its increments, at most 1, so
+   that the energy of the particles does not rise. Places change as they do without it, since the energy does not depend
+   on them.
 
-   Source of the second: Ketcheson 2019, in the form that leaves the time of a step as it is; docs/theory.md, section 12.
+   Source of the second: Ketcheson 2019, in the form that leaves the time of a step as it is; docs/theory.md, section
+   12.
 */
 #pragma once
 #include "march/march_private.h"
@@ -15,8 +17,8 @@
 /*S
    MpmHalve_ - the state before a part of a step.
 
-   state, cell - the registers of the state and the places of each particle of this rank; room: the particles that they have
-                 room for
+   state, cell - the registers of the state and the places of each particle of this rank; room: the particles that they
+                 have room for
    most        - a step has at most 2^most parts
    steps       - the number of steps that were taken in parts; finest: the largest number of parts of a step
 S*/

@@ -8,7 +8,9 @@ typedef struct {
   unsigned  kinds;
 } Field;
 
-/* A term of a scratch field: a times a state field, or times the number in lane of the vector from of a cloud's memory. */
+/*
+   A term of a scratch field: a times a state field, or times the number in lane of the vector from of a cloud's memory.
+*/
 typedef struct {
   PetscInt  field, particle, from, lane;
   PetscReal a;
@@ -188,8 +190,8 @@ static void AddMap(MpmCloudPlan *plan, MpmCloudPart *part, const PetscInt number
 }
 
 /*
-   Makes a part of a step, of one bundle and the share of the kinds that one map can have. Every kind has products of its
-   own, in all directions.
+   Makes a part of a step, of one bundle and the share of the kinds that one map can have. Every kind has products of
+   its own, in all directions.
 */
 static void AddPart(const MpmRowPlan *rows, const MpmRowStep *step, PetscInt bundle, PetscInt share,
                     const MpmBasis *basis, PetscInt dim, Scratch *scratch, MpmCloudPlan *plan)

@@ -211,8 +211,8 @@ static const PetscReal *FieldOf(const MpmMarchArrays *a, const MpmCloudMap *m, P
 }
 
 /*
-   Adds a source of the lane of map m: the field that it gives, or if particles have weights the sum of all that the lane
-   gets. Returns the first map that has not been done.
+   Adds a source of the lane of map m: the field that it gives, or if particles have weights the sum of all that the
+   lane gets. Returns the first map that has not been done.
 */
 static const MpmCloudMap *AddField(const MpmMarchArrays *a, const MpmCloudMap *m, const MpmCloudMap *end,
                                    PetscInt begin, PetscInt n, Work *w, Source *from)

@@ -34,7 +34,8 @@ typedef struct {
 } MpmCloudCross;
 
 /*
-   Maps of a step of a row plan that are of one bundle, with no more kinds than a map of a bundle can have: map[begin] to
+   Maps of a step of a row plan that are of one bundle, with no more kinds than a map of a bundle can have: map[begin]
+   to
    map[end - 1] of the plan, in the order of their products and lanes, cross[first_cross] to cross[end_cross - 1], and
    term[first_term] to term[end_term - 1] in the order of their products and sides.
    kind[0] to kind[nkinds - 1] are the numbers, in the row plan, of its kinds of weights beside phi_ip. products: where
@@ -46,7 +47,9 @@ typedef struct {
   MpmBundleMap run;
 } MpmCloudPart;
 
-/* Node fields that a pass reads, or sums to, as a bundle. begin: where it begins in the memory for bundles, per node. */
+/*
+   Node fields that a pass reads, or sums to, as a bundle. begin: where it begins in the memory for bundles, per node.
+*/
 typedef struct {
   PetscInt  n, width, begin, node[MPM_BUNDLE];
   PetscBool sums;
@@ -54,8 +57,8 @@ typedef struct {
 
 /*S
    MpmCloudPlan - what a row plan needs besides, to be run on clouds. Step s of it has part[first[s]] to
-   part[first[s + 1] - 1]; width is the sum of the widths of all bundles, and
-   products the numbers of a cloud's particles for all products of all parts.
+   part[first[s + 1] - 1]; width is the sum of the widths of all bundles, and products the numbers of a cloud's
+   particles for all products of all parts.
 
    composed - scratch fields are never stored: the spreads give what they are made of
 S*/

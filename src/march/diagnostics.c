@@ -1,6 +1,6 @@
 /*
-   Diagnostics of a run: norms of the state (of all particle fields, the formulation's energy, and that energy on the grid), sums
-   that it must conserve, and errors against an exact solution.
+   Diagnostics of a run: norms of the state (of all particle fields, the formulation's energy, and that energy on the
+   grid), sums that it must conserve, and errors against an exact solution.
 
    By partition of unity the masses of the nodes add up to those of the particles. sum_p m_p P2G is adjoint to G2P, and
    DIV of anything sums to 0. So momentum schemes conserve sum_p m_p v_p where no wall acts on them, with every
@@ -292,9 +292,9 @@ PetscErrorCode MpmConservedCheck(const MpmMarch *march, const MpmConserved *befo
 
 /* ---- errors ----
 
-   At small strain these are of the state at a particle's Lagrangian coordinate X = x - U0 t, weighted by volume. At finite strain
-   they are of places, velocities and deformation gradients. A place in a periodic direction is off by the shortest way. Of a gas
-   the density is known: that at rest over F.
+   At small strain these are of the state at a particle's Lagrangian coordinate X = x - U0 t, weighted by volume. At
+   finite strain they are of places, velocities and deformation gradients. A place in a periodic direction is off by the
+   shortest way. Of a gas the density is known: that at rest over F.
 */
 
 /* What is measured: place along an axis, or a state register where that is MPM_NONE. size: of the exact solution. */

@@ -29,8 +29,8 @@ PetscErrorCode MpmConservedSum(const MpmMarch *march, MpmConserved *sums);
 
    Collective. A change of particles or mass is an error of the program. Momentum may be lost at nodes without mass.
 
-   Output Parameter: changes - the change of mass relative to mass, and the largest of those of the momentum's components
-   relative to size; NaN where there is none to conserve
+   Output Parameter: changes - the change of mass relative to mass, and the largest of those of the momentum's
+   components relative to size; NaN where there is none to conserve
 */
 PetscErrorCode MpmConservedCheck(const MpmMarch *march, const MpmConserved *before, PetscReal changes[2]);
 
@@ -40,8 +40,8 @@ typedef struct {
 } MpmError;
 
 /*
-   MpmDiagnosticsErrors - the errors of the fields of MpmSceneErrorFields at the march's step. At finite strain particles
-   have equal weights.
+   MpmDiagnosticsErrors - the errors of the fields of MpmSceneErrorFields at the march's step. At finite strain
+   particles have equal weights.
 
    Collective. The scene must have an exact solution (MpmSceneHasExact). Errors that are out of the range of doubles are
    infinite.

@@ -17,7 +17,10 @@ static const MpmPass *PassOf(const MpmMarch *march, PetscInt number)
   return solve < march->scheme->table->nstiff ? march->implicit[solve]->schedule.pass : NULL;
 }
 
-/* Compiles the passes. Where particles share no coordinate, which jitter or a motion of their own makes so, for clouds too. */
+/*
+   Compiles the passes. Where particles share no coordinate, which jitter or a motion of their own makes so, for clouds
+   too.
+*/
 static PetscErrorCode Compile(MpmMarch *march)
 {
   const PetscBool clouds = march->layout->dim > 1 && (MpmLayoutIsScattered(march->layout) || march->particles->own)

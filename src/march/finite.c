@@ -1,6 +1,6 @@
 /*
-   A march at finite deformation: its operations on blocks of particles, which particle has failed, where it starts from, and the
-   norms of its state.
+   A march at finite deformation: its operations on blocks of particles, which particle has failed, where it starts
+   from, and the norms of its state.
 */
 #include "march/finite.h"
 #include "scene/material.h"
@@ -371,7 +371,10 @@ static PetscReal Shortest(PetscReal way, PetscInt period)
   return fabs(way) > period / 2.0 ? remainder(way, period) : way;
 }
 
-/* The ways of the particles from the uniform motion along each axis, in cells: the shortest ones in periodic directions. */
+/*
+   The ways of the particles from the uniform motion along each axis, in cells: the shortest ones in periodic
+   directions.
+*/
 static void Ways(const MpmMarchArrays *at, PetscReal *const way[])
 {
   const MpmMarch *march = at->march;
@@ -508,7 +511,9 @@ static void StrainEnergy(const MpmMarchArrays *at, PetscReal psi[], PetscReal *s
   *sum += at->march->scheme->space.stiffness * energy;
 }
 
-/* The volume of a particle at rest, in the scene's unit. The cells are filled in the state that the scene starts from. */
+/*
+   The volume of a particle at rest, in the scene's unit. The cells are filled in the state that the scene starts from.
+*/
 static PetscReal VolumeAtRest(const MpmMarch *march)
 {
   PetscReal volume = 1;

@@ -27,9 +27,9 @@ struct MpmWatch_ {
 };
 
 /*S
-   MpmFiniteBlock - the n particles from begin on, which go through an operation together. a: its number. to, from and stretch: the arrays of the fields that it
-   writes and reads, which begin with these particles, and so do id, cell and xi. step: that of the places. mass, volume,
-   stiffness: of the particles, or NULL where all are alike.
+   MpmFiniteBlock - the n particles from begin on, which go through an operation together. a: its number. to, from and
+   stretch: the arrays of the fields that it writes and reads, which begin with these particles, and so do id, cell and
+   xi. step: that of the places. mass, volume, stiffness: of the particles, or NULL where all are alike.
 S*/
 typedef struct {
   PetscInt          begin, n;
@@ -43,8 +43,8 @@ typedef struct {
 } MpmFiniteBlock;
 
 /*S
-   MpmSolving_ - the nonlinear system whose pass is run. stress: what STRESS_AHEAD does on a block of particles. product: the pass is
-   a product with its tangent, in which body forces are 0.
+   MpmSolving_ - the nonlinear system whose pass is run. stress: what STRESS_AHEAD does on a block of particles.
+   product: the pass is a product with its tangent, in which body forces are 0.
 S*/
 struct MpmSolving_ {
   void (*stress)(void *system, const MpmFiniteBlock *block);
@@ -53,8 +53,8 @@ struct MpmSolving_ {
 };
 
 /*
-   Not collective. The numbers of fields that an operation writes and reads; 0 of ADVANCE's places. stretch: of F besides.
-   stretches: MpmTableStretches, or without the internal variables, which are in no map.
+   Not collective. The numbers of fields that an operation writes and reads; 0 of ADVANCE's places. stretch: of F
+   besides. stretches: MpmTableStretches, or without the internal variables, which are in no map.
 */
 typedef struct {
   PetscInt to, from, stretch;
@@ -68,8 +68,8 @@ void MpmFinitePlace(const MpmMarchArrays *arrays, MpmFiniteBlock *block);
 void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *block);
 
 /*
-   Not collective. The gravity of the march's scene, and its body force on particle id, at its place at rest and at the time
-   of a step and a part of the next one, in units of c^2 / h.
+   Not collective. The gravity of the march's scene, and its body force on particle id, at its place at rest and at the
+   time of a step and a part of the next one, in units of c^2 / h.
 */
 void MpmFiniteLoad(const MpmMarch *march, PetscInt64 id, PetscInt64 step, PetscReal part, PetscReal load[]);
 
@@ -86,10 +86,11 @@ PetscErrorCode MpmFiniteAgree(MpmMarch *march, PetscInt *beyond);
 
 /*
    MpmFiniteFill - sets the particles to the scene's initial data: the uniform stretch, the drift as a velocity, and the
-   velocity of a mode. noise: random numbers in [-noise, noise), hashed from seed and id, are added to x / h, v / c, to F
-   relative to F0, and to an affine part.
+   velocity of a mode. noise: random numbers in [-noise, noise), hashed from seed and id, are added to x / h, v / c, to
+   F relative to F0, and to an affine part.
 
-   Collective. Errors: refuses (PETSC_ERR_USER_INPUT) a noise that moves a particle by a cell or more, or out of the domain.
+   Collective. Errors: refuses (PETSC_ERR_USER_INPUT) a noise that moves a particle by a cell or more, or out of the
+   domain.
 */
 PetscErrorCode MpmFiniteFill(MpmMarch *march, PetscReal noise);
 
@@ -105,7 +106,7 @@ PetscErrorCode MpmFiniteEnergy(const MpmMarch *march, PetscReal psi[], PetscReal
 
    Collective. state is the root of the mean square, over particles, of what is left of x / h, v / c and F / F0 when the
    uniform motion that the scene starts from is taken out, and then the mean of x and v. grid is that of the nodal
-   velocity and its increment, without the mean. energy is kinetic energy, strain energy and that in the gravity and in colliders that push, over
-   the density at rest.
+   velocity and its increment, without the mean. energy is kinetic energy, strain energy and that in the gravity and in
+   colliders that push, over the density at rest.
 */
 PetscErrorCode MpmFiniteNorms(const MpmMarch *march, MpmNorms *norms);

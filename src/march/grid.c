@@ -22,8 +22,8 @@
                         are those of lower ranks. Those of a node are in the order of ranks
    sf                 - roots are a rank's nodes, leaves the same nodes of other ranks. On one rank there is none
    unit               - unit[n]: n numbers side by side, made when it is first needed, or MPI_DATATYPE_NULL
-   own, others, total - sums over a rank's copies, here and on other ranks, and over all copies: all fields at a node side
-                        by side; there is room for so many fields (room)
+   own, others, total - sums over a rank's copies, here and on other ranks, and over all copies: all fields at a node
+                        side by side; there is room for so many fields (room)
 */
 struct MpmHalo_ {
   PetscSF      sf;
@@ -156,7 +156,9 @@ static void ListCopies(const MpmGrid *grid, PetscMPIInt rank, PetscInt count[2],
 
 /* ---- the halo ---- */
 
-/* Lists this rank's copies of n nodes: node i has the copies start[i] to start[i + 1] of all, sorted by rank and index. */
+/*
+   Lists this rank's copies of n nodes: node i has the copies start[i] to start[i + 1] of all, sorted by rank and index.
+*/
 static void ListOwn(PetscMPIInt rank, PetscInt n, const PetscInt start[], const PetscSFNode all[], MpmHalo *h)
 {
   for (PetscInt i = 0; i < n; i++) {

@@ -81,16 +81,17 @@ PetscErrorCode MpmGridZero(const MpmGrid *grid, PetscReal array[]);
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
 
 /*
-   Not collective. Nodes beyond a wall are mirror images, with a sign that follows from the parity along the direction. With fold
-   the sums at images, within ghost - 1 nodes of the wall, are added to the nodes that they are images of. Else the images are
-   set. One direction comes after the other, each on all nodes and ghosts of the others, which does what is right at corners.
+   Not collective. Nodes beyond a wall are mirror images, with a sign that follows from the parity along the direction.
+   With fold the sums at images, within ghost - 1 nodes of the wall, are added to the nodes that they are images of.
+   Else the images are set. One direction comes after the other, each on all nodes and ghosts of the others, which does
+   what is right at corners.
 */
 void MpmGridImages(const MpmGrid *grid, const MpmDirection direction[], const MpmParity parity[], PetscBool fold,
                    PetscReal array[]);
 
 /*
-   Not collective. Copies own[stride n], of the n-th node that this rank owns, to a local array whose ghosts become 0, so that a
-   sum over the copies is the owner's number; or back.
+   Not collective. Copies own[stride n], of the n-th node that this rank owns, to a local array whose ghosts become 0,
+   so that a sum over the copies is the owner's number; or back.
 */
 PetscErrorCode MpmGridCopy(const MpmGrid *grid, PetscBool back, PetscInt stride, PetscReal own[], PetscReal array[]);
 
@@ -98,7 +99,8 @@ PetscErrorCode MpmGridCopy(const MpmGrid *grid, PetscBool back, PetscInt stride,
 PetscMPIInt MpmGridOwner(const MpmGrid *grid, const PetscInt cell[]);
 
 /*S
-   MpmGridBox - the nodes [lo, hi) of each direction, as rows along the first: how to go through a part of a local array.
+   MpmGridBox - the nodes [lo, hi) of each direction, as rows along the first: how to go through a part of a local
+                array.
 S*/
 typedef struct {
   PetscInt lo[MPM_MAX_DIM], hi[MPM_MAX_DIM];

@@ -1,14 +1,18 @@
 /*
-   What the preconditioner of an implicit step is made of: M + a M K, of which most preconditioners need the block of each node alone.
+   What the preconditioner of an implicit step is made of: M + a M K, of which most preconditioners need the block of
+   each node alone.
 
-   The block of nodes i and j is the sum over particles of V E T_cb,ad g_i,cb g_j,ad, with the slopes g_i,cb along b of the weight of
-   component c at node i. T is the term of K or, at finite deformation, a particle's tangent.
+   The block of nodes i and j is the sum over particles of V E T_cb,ad g_i,cb g_j,ad, with the slopes g_i,cb along b of
+   the weight of component c at node i. T is the term of K or, at finite deformation, a particle's tangent.
 */
 #include "march/implicit_solve.h"
 #include "march/stencils.h"
 #include "scheme/maps.h"
 
-/* Of a few particles at a time, node i's slope along b of component c at g[(i dim + c) dim + b], and its place in a local array. */
+/*
+   Of a few particles at a time, node i's slope along b of component c at g[(i dim + c) dim + b], and its place in a
+   local array.
+*/
 typedef struct {
   MpmStencils at;
   PetscInt    nodes, *node;

@@ -1,15 +1,15 @@
 /*
    Solves (M + a M K) y = M f on the grid of the march.
 
-   Newton's method for the nodes of an implicit step at finite deformation. With v_i the velocity before the step, M the nodal
-   masses and a_i its increment, the system is
+   Newton's method for the nodes of an implicit step at finite deformation. With v_i the velocity before the step, M the
+   nodal masses and a_i its increment, the system is
 
      R(a_i) = M (a_i - k f(w)) = 0,    w = k (v_i + theta a_i),    f = - DIV T + the body force
 
    T = P((I + theta L) F) F^T, L = GRAD w, is the stress at the part theta of the step, brought back to its start
    (scheme/deform.c). For theta > 0 R is the gradient of the potential (a_i, a_i) / 2 + sum_p V_p psi((I + theta L) F) /
-   theta^2, so that its matrix is symmetric; where the material softens it may be indefinite. Conjugate gradients stop at the
-   first direction that shows it, and the line search goes along the direction that they have by then.
+   theta^2, so that its matrix is symmetric; where the material softens it may be indefinite. Conjugate gradients stop
+   at the first direction that shows it, and the line search goes along the direction that they have by then.
 
    Source: Gast, Schroeder, Stomakhin, Jiang and Teran 2015, optimization integrator; Stomakhin et al. 2013, section 4
 */
@@ -288,7 +288,10 @@ static PetscErrorCode DestroyNewton(MpmImplicitSolve *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The increment from which the system is solved: none or, if particles would lose their volume, that which stops the nodes. */
+/*
+   The increment from which the system is solved: none or, if particles would lose their volume, that which stops the
+   nodes.
+*/
 static PetscErrorCode Guess(MpmImplicitSolve *s)
 {
   PetscFunctionBegin;

@@ -378,9 +378,9 @@ static PetscErrorCode Migrate(MpmMarch *march)
 }
 
 /*
-   Particles are at new places, each by its own velocity. They migrate before one could go beyond
-   the ghost layer in the next step. They are sorted every few steps. A state that has been relaxed is summed to the grid
-   anew, if it has been already.
+   Particles are at new places, each by its own velocity. They migrate before one could go beyond the ghost layer in the
+   next step. They are sorted every few steps. A state that has been relaxed is summed to the grid anew, if it has been
+   already.
 */
 static PetscErrorCode Follow(MpmMarch *march, PetscBool summed)
 {

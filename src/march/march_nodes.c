@@ -89,8 +89,8 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
 }
 
 /*
-   Adds what colliders make of a velocity, op->src and the components next to it, along op->axis. The images beyond walls follow
-   from the nodes inside. No particle feels a node without mass.
+   Adds what colliders make of a velocity, op->src and the components next to it, along op->axis. The images beyond
+   walls follow from the nodes inside. No particle feels a node without mass.
 */
 static void Collide(const MpmMarch *march, const MpmNodeOp *op, PetscReal time, const PetscReal inverse_mass[],
                     PetscReal *const field[])

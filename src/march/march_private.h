@@ -99,8 +99,8 @@ static inline PetscReal MpmMarchTime(const MpmMarch *march, PetscInt64 step)
 }
 
 /*
-   MpmMarchSetCourant - sets the Courant number of the next steps, of a march whose steps differ. What nodes hold is still that of
-   the step before; the pass before the first step, schedule.start, renews it.
+   MpmMarchSetCourant - sets the Courant number of the next steps, of a march whose steps differ. What nodes hold is
+   still that of the step before; the pass before the first step, schedule.start, renews it.
 
    Not collective.
 */
@@ -127,7 +127,8 @@ PetscErrorCode MpmMarchCreateRandom(MPI_Comm comm, const MpmLayout *layout, cons
 
    compile   - what it makes for a Courant number, or NULL; placed: when places have changed, or NULL; destroy: of these
    start     - what comes before the first step: nodes get what particles give them
-   step      - all operations of a table. After each DRIFT or ADVANCE it calls MpmMarchMoved. A failure of the march ends it.
+   step      - all operations of a table. After each DRIFT or ADVANCE it calls MpmMarchMoved. A failure of the march
+               ends it.
    stiffness - image = K solved, with table i of the K, at the places of a step
 
    Collective.
@@ -145,10 +146,16 @@ extern const MpmMarchEngine MpmPlainMarch, MpmFastMarch;
 /* Collective. What comes before the first step. It is called again when the state or the Courant number was set. */
 PetscErrorCode MpmMarchStart(MpmMarch *march);
 
-/* Collective. The particles have moved: they migrate if need be. summed: nodes have what particles give to the next step. */
+/*
+   Collective. The particles have moved: they migrate if need be. summed: nodes have what particles give to the next
+   step.
+*/
 PetscErrorCode MpmMarchMoved(MpmMarch *march, PetscBool summed);
 
-/* Collective. MpmParticlesRebase, and what the engine knows of the places made anew: whoever sends particles away calls this. */
+/*
+   Collective. MpmParticlesRebase, and what the engine knows of the places made anew: whoever sends particles away calls
+   this.
+*/
 PetscErrorCode MpmMarchRebase(MpmMarch *march);
 
 /* The node field that stands for the nodal masses. */
@@ -160,8 +167,8 @@ PetscErrorCode MpmMarchRebase(MpmMarch *march);
    id          - of particles that move each by itself
    within      - particles move in the middle of the step
    step        - that of the places; whole[after], part[after]: the drift since rest there, and a step later
-   node, sum   - node fields, and the arrays that are summed to: sum[MPM_MASSES] are the inverse nodal masses, the fast march
-                 sets the others
+   node, sum   - node fields, and the arrays that are summed to: sum[MPM_MASSES] are the inverse nodal masses, the fast
+                 march sets the others
 S*/
 typedef struct {
   const MpmMarch   *march;
@@ -200,9 +207,9 @@ void MpmMarchPlaces(const MpmMarchArrays *arrays, PetscInt axis, PetscInt n, con
 /* What a march does on nodes alone (march_nodes.c). */
 
 /*
-   MpmNodesSum - completes what this rank's particles gave to n node fields: adds what images beyond walls got, sums over
-   ranks, divides by the masses, and sets ghosts and images. parity[f]: that of sums[f]. Fields become 0 where there is no
-   mass. With with_mass the masses were summed too, and become their inverses.
+   MpmNodesSum - completes what this rank's particles gave to n node fields: adds what images beyond walls got, sums
+   over ranks, divides by the masses, and sets ghosts and images. parity[f]: that of sums[f]. Fields become 0 where
+   there is no mass. With with_mass the masses were summed too, and become their inverses.
 
    Collective.
 */
@@ -213,8 +220,8 @@ PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const s
 PetscErrorCode MpmNodesRefresh(const MpmMarch *march, const MpmParity parity[], PetscReal field[]);
 
 /*
-   Collective. An operation between node fields, at this rank's nodes and as many ghosts as op->depth leaves. step is that of
-   the particles' places.
+   Collective. An operation between node fields, at this rank's nodes and as many ghosts as op->depth leaves. step is
+   that of the particles' places.
 */
 PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmNodeOp *op, PetscInt64 step,
                            PetscReal *const field[]);

@@ -11,8 +11,8 @@
 #define SHARE 16 /* one particle in so many may be in a cell before that of the particle before it */
 
 /*
-   Sets the global cell of each particle along one axis. Cells are global until particles have arrived. The particles are
-   at whole cells and part of a cell from their resting places.
+   Sets the global cell of each particle along one axis. Cells are global until particles have arrived. The particles
+   are at whole cells and part of a cell from their resting places.
 */
 static PetscErrorCode SetGlobalCells(MpmParticles *particles, const MpmGridAxis *axis, PetscInt a, PetscInt whole,
                                      PetscReal part)

@@ -76,8 +76,8 @@ static PetscBool IsImposed(const MpmNodalSolve *s, PetscInt a, PetscInt i)
 }
 
 /*
-   The weights along a direction of a particle at xi in a local cell, and the places of their nodes in a local array. Beyond
-   a wall these are those of the images.
+   The weights along a direction of a particle at xi in a local cell, and the places of their nodes in a local array.
+   Beyond a wall these are those of the images.
 */
 static void RowAlong(const MpmNodalSolve *s, PetscInt a, PetscInt cell, PetscReal xi, PetscInt place[],
                      PetscReal weight[])

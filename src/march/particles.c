@@ -155,7 +155,9 @@ PetscErrorCode MpmParticlesWeigh(MpmParticles *particles)
 
 /* ---- the particles of a rank at the start ---- */
 
-/* The sites of one direction that may have a particle in this rank's cells there, and the cells that unwrapping adds. */
+/*
+   The sites of one direction that may have a particle in this rank's cells there, and the cells that unwrapping adds.
+*/
 typedef struct {
   PetscInt    n;
   PetscInt64 *site; /* counted from the first that is taken */
@@ -169,7 +171,10 @@ typedef struct {
   PetscReal  *xi[MPM_MAX_DIM];
 } Arrays;
 
-/* Jitter may take a particle into a neighbour of its own cell. In one dimension cells may have different numbers of sites. */
+/*
+   Jitter may take a particle into a neighbour of its own cell. In one dimension cells may have different numbers of
+   sites.
+*/
 static PetscErrorCode FindSides(const MpmLayout *layout, const MpmGrid *grid, PetscInt a, Sides *s)
 {
   const MpmGridAxis *axis = &grid->axis[a];

@@ -14,12 +14,12 @@
    cells of drift to it that rebased counts. The rest of n delta is the same for all particles and is formed exactly. So
    nothing accumulates, and moving writes nothing to memory. The global id is DMSwarm's own field pid.
 
-   At finite deformation particles move each by itself (own). (cell, xi) is where they are, and ADVANCE writes it. They are
-   in the order of their cells, x fastest, when they have been sorted, and in any order after that.
+   At finite deformation particles move each by itself (own). (cell, xi) is where they are, and ADVANCE writes it. They
+   are in the order of their cells, x fastest, when they have been sorted, and in any order after that.
 
-   Else, in one dimension particles are in the order of their places. In more, those of a row of cells along x come after one
-   another, row by row. Within it they are in lines: the particles of a line had equal indices of their sites in the
-   other directions. Within a line they are in the order of their places.
+   Else, in one dimension particles are in the order of their places. In more, those of a row of cells along x come
+   after one another, row by row. Within it they are in lines: the particles of a line had equal indices of their sites
+   in the other directions. Within a line they are in the order of their places.
 S*/
 typedef struct {
   DM               swarm;
@@ -107,7 +107,8 @@ static inline void MpmParticlesLagrangian(const MpmParticles *particles, PetscIn
    MpmParticlesSortIfNeeded - brings particles that move each by itself into the order of their cells, if some share of
    them is out of order.
 
-   Not collective. It depends on the places and the order alone, so that a run that resumes sorts as one that did not end.
+   Not collective. It depends on the places and the order alone, so that a run that resumes sorts as one that did not
+   end.
 */
 PetscErrorCode MpmParticlesSortIfNeeded(MpmParticles *particles, const MpmGrid *grid);
 

@@ -2,7 +2,9 @@
 #include "march/partition.h"
 #include "scene/layout.h"
 
-/* A way to share: its load, and the surface of a rank's part relative to its volume, to which ghosts are proportional. */
+/*
+   A way to share: its load, and the surface of a rank's part relative to its volume, to which ghosts are proportional.
+*/
 typedef struct {
   PetscReal load, surface;
 } Merit;

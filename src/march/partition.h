@@ -6,7 +6,8 @@
    MpmPartition - the ranges of cells of the ranks.
 
    ranks    - the number of ranks along each direction, x fastest; all 0 where there is no way
-   starts   - starts[a][r]: the first cell of the r-th rank along direction a; starts[a][ranks[a]] is the number of cells
+   starts   - starts[a][r]: the first cell of the r-th rank along direction a; starts[a][ranks[a]] is the number of
+              cells
    smallest - the number of cells in the shortest range of all directions
    load     - the largest number of particles that a rank has, over the mean; particles count where they rest without
               jitter
@@ -20,9 +21,10 @@ typedef struct {
    MpmPartitionCreate - shares the cells among size ranks, such that every range has at least least cells.
 
    Equal ranges are shared for the fewest ghosts. Ranges of equal load are those with the smallest maximum of particles
-   over the ranks (where none would be shorter than least cells; else near to it): the particles of a layout are a product of those of its directions, so each direction is cut for itself
-   by the numbers of particles in its planes of cells. Of the ways to write size as a product (or the one
-   that the layout asks for) the one with the least load is taken, and among those the one with the fewest ghosts.
+   over the ranks (where none would be shorter than least cells; else near to it): the particles of a layout are a
+   product of those of its directions, so each direction is cut for itself by the numbers of particles in its planes of
+   cells. Of the ways to write size as a product (or the one that the layout asks for) the one with the least load is
+   taken, and among those the one with the fewest ghosts.
 
    Not collective.
 

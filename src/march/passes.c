@@ -1,6 +1,6 @@
 /*
-   Compiles a table to passes. Its operations are first put in an order for which a march needs fewer passes over the particles.
-   They do the same but for rounding.
+   Compiles a table to passes. Its operations are first put in an order for which a march needs fewer passes over the
+   particles. They do the same but for rounding.
 */
 #include "march/passes.h"
 
@@ -167,9 +167,10 @@ static PetscInt Before(const OpList *l, PetscInt o)
 }
 
 /*
-   Lets particles take values from nodes as late as they can. Where a node field changes by n += b m in between, its old value is
-   n - b m. Operations of the same map and fields become one, and vanish where their factors cancel. So particles with apic or
-   pic take the new velocity at once, not the old one and then its change.
+   Lets particles take values from nodes as late as they can. Where a node field changes by n += b m in between, its old
+   value is
+   n - b m. Operations of the same map and fields become one, and vanish where their factors cancel. So particles with
+   apic or pic take the new velocity at once, not the old one and then its change.
 */
 static PetscErrorCode Delay(const MpmTable *t, OpList *l)
 {
@@ -490,8 +491,8 @@ static PetscInt CostOf(const MpmSchedule *schedule)
 }
 
 /*
-   Whether operations may be brought together: all sums fit in one pass, and all operations on nodes after one. At finite
-   deformation operations on particles have more fields than those that they name.
+   Whether operations may be brought together: all sums fit in one pass, and all operations on nodes after one. At
+   finite deformation operations on particles have more fields than those that they name.
 */
 static PetscBool MayReorder(const MpmTable *t)
 {

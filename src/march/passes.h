@@ -19,8 +19,8 @@
    MPM_PASS_MASS   - the first P2G after particles have moved, with the nodal masses
    MPM_PASS_SCALE  - multiplies a particle field by a number
    MPM_PASS_ADD    - adds a times the particle field other to a particle field
-   MPM_PASS_FINITE - an operation of finite deformation (march/finite.h), from the particle fields from other on to those
-                     from particle on; after ADVANCE particles are at the places of the next step
+   MPM_PASS_FINITE - an operation of finite deformation (march/finite.h), from the particle fields from other on to
+                     those from particle on; after ADVANCE particles are at the places of the next step
    MPM_PASS_DRIFT  - from here on particles are at the places of the next step
    MPM_PASS_SAMPLE - sums the squares of a particle field, when the step is sampled
 E*/
@@ -35,8 +35,8 @@ typedef enum {
 } MpmPassOpKind;
 
 /*
-   map, axis: the kind of the operation, and the direction that it acts along. to_nodes: the map writes the node field. weight:
-   the property that multiplies it, where it varies.
+   map, axis: the kind of the operation, and the direction that it acts along. to_nodes: the map writes the node field.
+   weight: the property that multiplies it, where it varies.
 */
 typedef struct {
   MpmPassOpKind kind;
@@ -85,9 +85,9 @@ typedef struct {
 } MpmSchedule;
 
 /*
-   MpmHeadLength - the number of operations before the particles first read the grid or move, all of which one pass can do:
-   its sums come before its operations on nodes, so none may begin anew in a field that has been set or read. A nonlinear
-   system belongs to the step itself, which may have to be taken in parts.
+   MpmHeadLength - the number of operations before the particles first read the grid or move, all of which one pass can
+   do: its sums come before its operations on nodes, so none may begin anew in a field that has been set or read. A
+   nonlinear system belongs to the step itself, which may have to be taken in parts.
 
    Not collective.
 */

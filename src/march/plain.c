@@ -9,7 +9,9 @@
 #include "march/implicit_solve.h"
 #include "march/passes.h"
 
-/* The arrays of particles and nodes while a march is at work, and scratch registers of all particles one after another. */
+/*
+   The arrays of particles and nodes while a march is at work, and scratch registers of all particles one after another.
+*/
 typedef struct {
   MpmMarch      *march;
   MpmMarchArrays at;
@@ -56,7 +58,9 @@ static PetscReal *FieldOf(const Plain *m, PetscInt field)
 
 /* ---- particles and nodes ---- */
 
-/* The weights of a map are products over the directions: those of its kind along its axis, and of P2G along the others. */
+/*
+   The weights of a map are products over the directions: those of its kind along its axis, and of P2G along the others.
+*/
 static void Place(const Plain *m, MpmOpKind kind, PetscInt axis, PetscInt begin, PetscInt n, Placed *placed)
 {
   const MpmMarch *march = m->march;
@@ -100,7 +104,9 @@ static PetscReal Visit(const MpmMarch *march, const Placed *placed, PetscInt p, 
   return sum;
 }
 
-/* What particles give to nodes, a times register q, or without it ones; by: what multiplies it, where particles differ. */
+/*
+   What particles give to nodes, a times register q, or without it ones; by: what multiplies it, where particles differ.
+*/
 static PetscErrorCode Spread(Plain *m, MpmOpKind kind, PetscInt axis, PetscReal a, const PetscReal *q, PetscReal *to)
 {
   const PetscReal *by    = m->at.weight[MpmLayoutWeight(m->march->layout, kind)];
@@ -227,7 +233,10 @@ static PetscErrorCode Moved(Plain *m)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Nodes have other masses then. In the middle of a step scratch fields are still needed, so that particles migrate later. */
+/*
+   Nodes have other masses then. In the middle of a step scratch fields are still needed, so that particles migrate
+   later.
+*/
 static PetscErrorCode Move(Plain *m, const MpmOp *op)
 {
   PetscFunctionBegin;
@@ -308,7 +317,10 @@ static PetscErrorCode Stiffness(MpmMarch *march, PetscInt64 step, PetscInt i)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* P2G of one particle field with the particles at the places of a step. inverse_mass: NULL, or it is set for these places. */
+/*
+   P2G of one particle field with the particles at the places of a step. inverse_mass: NULL, or it is set for these
+   places.
+*/
 static PetscErrorCode Project(MpmMarch *march, PetscInt field, PetscInt64 step, Vec inverse_mass, Vec node)
 {
   const MpmParity *parity = MpmTableParity(march->scheme->table, field);

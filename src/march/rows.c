@@ -1,8 +1,8 @@
 /*
    Passes by rows: finds the rows of a rank's particles, compiles a pass for rows, and takes the particles through it.
 
-   Maps that follow one another in the same direction, to nodes or to particles, become one step of a plan. Within it they are
-   sorted by line and weights. The order of such maps matters to rounding alone.
+   Maps that follow one another in the same direction, to nodes or to particles, become one step of a plan. Within it
+   they are sorted by line and weights. The order of such maps matters to rounding alone.
 */
 #include "march/rows.h"
 #include "march/finite.h"
@@ -47,8 +47,8 @@ static PetscBool IsAlike(const MpmMarchArrays *a, PetscInt of, PetscInt begin, P
 }
 
 /*
-   The number of rows, which are stored unless row is NULL. The rows of a line are as long as one another, if whole cells
-   permit, so that more of them are alike. Where each particle moves by itself no two rows stay alike.
+   The number of rows, which are stored unless row is NULL. The rows of a line are as long as one another, if whole
+   cells permit, so that more of them are alike. Where each particle moves by itself no two rows stay alike.
 */
 static PetscInt Visit(const MpmMarchArrays *a, PetscBool altered, MpmRow row[])
 {
@@ -89,7 +89,10 @@ PetscErrorCode MpmRowsFind(MpmMarch *march)
 
 /* ---- a pass compiled for rows ---- */
 
-/* What the maps of a step are sorted by, the most important first: the line, which is across x, and the kind of weights along x. */
+/*
+   What the maps of a step are sorted by, the most important first: the line, which is across x, and the kind of weights
+   along x.
+*/
 typedef struct {
   PetscInt         node;
   MpmOpKind        z, y, along;
@@ -287,7 +290,10 @@ typedef struct {
 
 #define ACROSS 8 /* places along a direction across the rows whose weights are kept */
 
-/* The weights of particles at xi along a direction across the rows, by kind, and the first of their nodes from the cell. */
+/*
+   The weights of particles at xi along a direction across the rows, by kind, and the first of their nodes from the
+   cell.
+*/
 typedef struct {
   PetscReal xi, weight[MPM_MOST_KINDS][MPM_MOST_NODES];
   PetscInt  first;
@@ -408,8 +414,8 @@ static void RunMap(const MpmMarchArrays *a, const MpmRowMap *map, PetscBool to_n
 }
 
 /*
-   The maps that share weights and a line with m, from m on, as far as one loop does them all: runs that are alike, and no
-   weight of a particle's own. Returns how many they are.
+   The maps that share weights and a line with m, from m on, as far as one loop does them all: runs that are alike, and
+   no weight of a particle's own. Returns how many they are.
 */
 static PetscInt GatherAlike(const MpmMarchArrays *a, const MpmRowMap *m, const Placed *placed, const PetscReal line[])
 {

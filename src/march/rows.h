@@ -9,9 +9,9 @@
 #define MPM_MOST_ACROSS (MPM_MOST_KINDS * MPM_MOST_KINDS)
 
 /*
-   A map between particles and a line. Maps from one line with the same weights share the result; shared counts those that
-   follow and use it too. particle is MPM_NONE for the nodal masses. weights: the number in the plan of the kind of weights
-   along x.
+   A map between particles and a line. Maps from one line with the same weights share the result; shared counts those
+   that follow and use it too. particle is MPM_NONE for the nodal masses. weights: the number in the plan of the kind of
+   weights along x.
 */
 typedef struct {
   PetscReal   a;
@@ -43,9 +43,9 @@ typedef enum {
 } MpmRowStepKind;
 
 /*
-   A step of a plan. Gathers and spreads have lines [begin, end); the others a particle field and a number a. An addition
-   adds a times the particle field other. Operations of finite deformation have their kind: after ADVANCE the particles
-   are at new places.
+   A step of a plan. Gathers and spreads have lines [begin, end); the others a particle field and a number a. An
+   addition adds a times the particle field other. Operations of finite deformation have their kind: after ADVANCE the
+   particles are at new places.
 */
 typedef struct {
   MpmRowStepKind kind;
@@ -85,8 +85,8 @@ static inline PetscReal *MpmRowsField(const MpmMarchArrays *arrays, PetscInt fie
 }
 
 /*
-   Not collective. Runs a step of particles alone, which scales, adds or is of finite deformation, on n particles from begin
-   on. after: they have been advanced. Steps with nodes are left to the engine.
+   Not collective. Runs a step of particles alone, which scales, adds or is of finite deformation, on n particles from
+   begin on. after: they have been advanced. Steps with nodes are left to the engine.
 */
 void MpmRowsOnParticles(const MpmMarchArrays *arrays, const MpmRowStep *step, PetscInt begin, PetscInt n,
                         PetscBool after);

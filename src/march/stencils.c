@@ -1,11 +1,15 @@
 /*
-   The nodes and slopes of particles: products over the directions of phi and of its slope, or what is left of them near walls.
+   The nodes and slopes of particles: products over the directions of phi and of its slope, or what is left of them near
+   walls.
 */
 #include "march/stencils.h"
 #include "scheme/kernels.h"
 #include "scheme/maps.h"
 
-/* The weights of a particle along a direction: phi (0) and its slope (1), the places of its nodes and each component's sign. */
+/*
+   The weights of a particle along a direction: phi (0) and its slope (1), the places of its nodes and each component's
+   sign.
+*/
 typedef struct {
   PetscInt  place[MPM_MAX_REACH], number[MPM_MAX_REACH]; /* in a local array; in the grid */
   PetscReal weight[2][MPM_MAX_REACH], sign[MPM_MAX_DIM][MPM_MAX_REACH];

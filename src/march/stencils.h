@@ -1,15 +1,16 @@
 /*
-   The nodes of a particle with its weights and their slopes, for those who make matrices and bounds of them; and stencils: those
-   of a few particles side by side, for those who go through all particles and sum over their nodes.
+   The nodes of a particle with its weights and their slopes, for those who make matrices and bounds of them; and
+   stencils: those of a few particles side by side, for those who go through all particles and sum over their nodes.
 */
 #pragma once
 #include "march/march_private.h"
 
 /*S
-   MpmSlopes - how the slopes of a vector's components are found. Beyond walls nodes stand for their images, with the sign of
-   the component, and a component that a wall fixes has no slope there.
+   MpmSlopes - how the slopes of a vector's components are found. Beyond walls nodes stand for their images, with the
+   sign of the component, and a component that a wall fixes has no slope there.
 
-   kind   - the kind of operation that has the slopes, one of GRAD, DIV, GRAD_MLS and DIV_MLS; those of DIV are found faster
+   kind   - the kind of operation that has the slopes, one of GRAD, DIV, GRAD_MLS and DIV_MLS; those of DIV are found
+            faster
    parity - parity[c]: of component c
 S*/
 typedef struct {
@@ -24,8 +25,8 @@ typedef struct {
 PetscInt MpmSlopesMost(const MpmSlopes *slopes);
 
 /*
-   MpmSlopesAt - the nodes of a particle in a local cell of the grid, at xi there. Returns how many there are. With merge none
-   is there twice: two of a particle's nodes may be one and the same, at a wall or in a short periodic grid.
+   MpmSlopesAt - the nodes of a particle in a local cell of the grid, at xi there. Returns how many there are. With
+   merge none is there twice: two of a particle's nodes may be one and the same, at a wall or in a short periodic grid.
 
    Not collective.
 
@@ -45,11 +46,12 @@ PetscBool MpmSlopesFix(const MpmSlopes *slopes, PetscInt component, const PetscI
 /*S
    MpmStencils - up to MPM_STENCILS particles that follow one another: begin to begin + n - 1 of this rank.
 
-   inside - they are away from walls, where all components have the same slopes and no node is there twice. Their weights are
-            products: weight[a][0][d MPM_STENCILS + q] is phi of particle q along direction a, and weight[a][1] its slope, at nodes
-            first[q] + d stride of a local array. Where n is less, the others are as particle 0.
-   nodes  - at walls particle q has weight S[i MPM_STENCILS + q] at its i-th node, node[i MPM_STENCILS + q] of a local array, and
-            slope g[((i dim + c) dim + b) MPM_STENCILS + q] of component c there, or all are 0
+   inside - they are away from walls, where all components have the same slopes and no node is there twice. Their
+            weights are products: weight[a][0][d MPM_STENCILS + q] is phi of particle q along direction a, and
+            weight[a][1] its slope, at nodes first[q] + d stride of a local array. Where n is less, the others are as
+            particle 0.
+   nodes  - at walls particle q has weight S[i MPM_STENCILS + q] at its i-th node, node[i MPM_STENCILS + q] of a local
+            array, and slope g[((i dim + c) dim + b) MPM_STENCILS + q] of component c there, or all are 0
    all, memory - all particles are inside; of particles near walls
    at     - the particles and nodes, which nobody else may get meanwhile
 S*/

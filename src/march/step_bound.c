@@ -6,8 +6,9 @@
 
      V_p E_p C^(1/2) [sum_i B_i B_i^T / (m_i theta_ip)] C^(1/2)
 
-   of order d (d + 1) / 2. theta_ip = S_ip m_p / m_i makes each particle a lone one. theta_ip ~ u_p sqrt(V_p) abs(grad S_ip)
-   takes one sum at each node. u = sqrt(V) is the bound 'particle', and u <- u lambda makes a better one in most layouts.
+   of order d (d + 1) / 2. theta_ip = S_ip m_p / m_i makes each particle a lone one. theta_ip ~ u_p sqrt(V_p) abs(grad
+   S_ip) takes one sum at each node. u = sqrt(V) is the bound 'particle', and u <- u lambda makes a better one in most
+   layouts.
 
    Lanczos. k products with M^(-1/2) K M^(-1/2) from a random vector of norm 1 have coefficients alpha, beta. p_j is the
    polynomial with p_j(A) v_1 = v_(j+1). The part g of v_1 along the top eigenvector has abs(g p_k(lambda)) <= 1, and
@@ -99,7 +100,10 @@ static void Norms(const Pass *s, PetscInt i, PetscInt c, PetscReal norm[])
   }
 }
 
-/* What is done at each node of particles inside: the norm of the slope is summed there, or slopes are with what they count. */
+/*
+   What is done at each node of particles inside: the norm of the slope is summed there, or slopes are with what they
+   count.
+*/
 typedef enum { SUMS, SPLIT, ALONE } Visit;
 
 /* Of two weights along a direction: phi^2, slope^2 and phi slope; 1, 0 and 0 along one that is not there. */
@@ -118,9 +122,10 @@ INLINE void SquaresAlong(const PetscInt dim, const MpmStencils *c, PetscInt a, S
 }
 
 /*
-   Takes particles inside through their nodes. With slopes g of a node, products over the directions, SUMS adds share abs(g) to the
-   sums there. SPLIT and ALONE find G = sum g g^T t, its components 00 01 02 11 12 22, with t the sum over abs(g), or 1 / S: once along
-   x, then with what the products along y and z are. endless: a particle has a slope, and no weight.
+   Takes particles inside through their nodes. With slopes g of a node, products over the directions, SUMS adds share
+   abs(g) to the sums there. SPLIT and ALONE find G = sum g g^T t, its components 00 01 02 11 12 22, with t the sum over
+   abs(g), or 1 / S: once along x, then with what the products along y and z are. endless: a particle has a slope, and
+   no weight.
 */
 INLINE void VisitInside(const PetscInt dim, const Visit visit, Pass *s, const PetscReal share[],
                         PetscReal G[][MPM_STENCILS], PetscBool endless[])
@@ -178,7 +183,10 @@ INLINE void VisitInside(const PetscInt dim, const Visit visit, Pass *s, const Pe
   }
 }
 
-/* The sums over particles of u sqrt(V) abs(grad S), over the masses of the nodes. Without walls all components have the same. */
+/*
+   The sums over particles of u sqrt(V) abs(grad S), over the masses of the nodes. Without walls all components have the
+   same.
+*/
 static PetscErrorCode Sum(Pass *s)
 {
   const MpmGrid     *grid = s->march->grid;
@@ -249,8 +257,8 @@ static PetscReal Largest(PetscInt n, PetscReal A[MPM_MAX_STRESS][MPM_MAX_STRESS]
 }
 
 /*
-   Adds times b b^T to a matrix, b = C^(1/2) of the strain g e_c, symmetric. Strains have the components 00, 11, 22 and then
-   those beside the diagonal times sqrt(2), so that C is 2 mu and on 1, the strain without shape, 2 mu + d lambda.
+   Adds times b b^T to a matrix, b = C^(1/2) of the strain g e_c, symmetric. Strains have the components 00, 11, 22 and
+   then those beside the diagonal times sqrt(2), so that C is 2 mu and on 1, the strain without shape, 2 mu + d lambda.
 */
 static void Add(PetscInt dim, Lame m, PetscInt c, const PetscReal g[], PetscReal times,
                 PetscReal A[MPM_MAX_STRESS][MPM_MAX_STRESS])
@@ -285,8 +293,8 @@ static PetscReal Isotropic(PetscInt dim, Lame m, PetscReal G[MPM_MAX_STRESS][MPM
 
 /*
    lambda of the particles inside. The matrix of Isotropic has the trace of G, as lambda + 2 mu is 1, and squares of its
-   eigenvalues whose sum is 4 mu (mu + lambda) tr G^2 + lambda^2 (tr G)^2. These bound its largest one (Wolkowicz and Styan 1980). A
-   bound below least suffices.
+   eigenvalues whose sum is 4 mu (mu + lambda) tr G^2 + lambda^2 (tr G)^2. These bound its largest one (Wolkowicz and
+   Styan 1980). A bound below least suffices.
 */
 INLINE void ValuesInside(const PetscInt dim, const Visit visit, Pass *s, const PetscReal factor[], PetscReal least)
 {
@@ -369,7 +377,10 @@ static void Values(Pass *s, PetscBool lone, PetscReal least)
                   : ValuesInside(3, SPLIT, s, factor, least);
 }
 
-/* The largest value of all particles, and where it is: the one with the least id of several that are alike but for rounding. */
+/*
+   The largest value of all particles, and where it is: the one with the least id of several that are alike but for
+   rounding.
+*/
 static PetscErrorCode Decide(Pass *s, PetscReal *most, MpmDecider *at)
 {
   const MpmMarch   *march = s->march;
@@ -443,9 +454,11 @@ static PetscErrorCode FindByParticle(Pass *s, MpmStepBounds *b)
 /* ---- the certificate ---- */
 
 /*
-   Products with K: as a pass of the fast march, with the velocity and the force of a node as bundles (scheme/bundles.h).
+   Products with K: as a pass of the fast march, with the velocity and the force of a node as bundles
+   (scheme/bundles.h).
 
-   node, force - of all local nodes; product: of a cloud's particles, L_kb of lane k at product 1 + b, and then the stress
+   node, force - of all local nodes; product: of a cloud's particles, L_kb of lane k at product 1 + b, and then the
+                 stress
    scale       - M^(-1/2) of each of this rank's unknowns, 0 where a wall fixes it; scaled: M^(-1/2) x
    gather, spread - the maps. In one dimension there is a second direction, without an extent
 */
@@ -601,7 +614,10 @@ static PetscErrorCode Random(const Pass *s, PetscInt64 seed, PetscReal x[], Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* log p_k(t) by the ratios of p_j to p_(j-1); -infinite below the largest Ritz value, where one of them is not positive. */
+/*
+   log p_k(t) by the ratios of p_j to p_(j-1); -infinite below the largest Ritz value, where one of them is not
+   positive.
+*/
 static PetscReal LogPolynomial(PetscInt k, const PetscReal alpha[], const PetscReal beta[], PetscReal t)
 {
   PetscReal sum = 0, ratio = INFINITY;
@@ -741,7 +757,10 @@ static PetscErrorCode End(Pass *s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Bounds of the largest eigenvalues of M^-1 sum_p V_p (tr D)^2 and of M^-1 sum_p V_p D : D, where the loss depends on them. */
+/*
+   Bounds of the largest eigenvalues of M^-1 sum_p V_p (tr D)^2 and of M^-1 sum_p V_p D : D, where the loss depends on
+   them.
+*/
 static PetscErrorCode FindForms(MpmMarch *march, MpmStepBounds *b)
 {
   const PetscReal none[2] = {0, 0};

@@ -1,6 +1,6 @@
 /*
-   What a step costs and does at most: the bytes that it moves between memory and processor, and the factor by which it can
-   enlarge the state.
+   What a step costs and does at most: the bytes that it moves between memory and processor, and the factor by which it
+   can enlarge the state.
 
    Each array is read once a pass, and written once if the pass changes it. An array that is only written is read too,
    because the processor fetches a line before it changes a part of it. Each operation on nodes is a sweep of its own.

@@ -1,6 +1,6 @@
 /*
-   The plan of the nodal operator: the program of a table, cut at its node registers. A particle register is c q plus terms,
-   a node register a slot of the plan.
+   The plan of the nodal operator: the program of a table, cut at its node registers. A particle register is c q plus
+   terms, a node register a slot of the plan.
 */
 #include "linalg/lapack_names.h"
 #include "operator/nodal.h"
@@ -16,8 +16,8 @@ typedef struct {
 } Reading;
 
 /*
-   c, root, terms, nterms - of each particle register, up to the present operation: c times the state register root as it
-                       was, and the terms. A scratch register has the root of what it is set to.
+   c, root, terms, nterms - of each particle register, up to the present operation: c times the state register root as
+                       it was, and the terms. A scratch register has the root of what it is set to.
    slot              - the slot of each node register
    captured          - captured[s]: terms of particles refer to slot s as it is, so it must not change
    readings          - what the present row of sums reads, each with the image that it is so far
@@ -434,8 +434,8 @@ PetscErrorCode MpmNodalPlanDestroy(MpmNodalPlan **plan)
 /*
    ---- the algebra of plans on small dense matrices ----
 
-   A slot is, for each image and each power of the Courant number, a multiple of the identity plus a matrix. In most plans
-   every map meets a multiple of the identity, and no product of matrices is made.
+   A slot is, for each image and each power of the Courant number, a multiple of the identity plus a matrix. In most
+   plans every map meets a multiple of the identity, and no product of matrices is made.
 */
 
 typedef struct {

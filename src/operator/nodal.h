@@ -42,8 +42,8 @@ typedef struct {
 } MpmNodalMap;
 
 /*S
-   MpmNodalSent - a part of what a step adds to a particle register op->dst: the operation of the table, its number there,
-   and the slot that it reads.
+   MpmNodalSent - a part of what a step adds to a particle register op->dst: the operation of the table, its number
+   there, and the slot that it reads.
 S*/
 typedef struct {
   MpmOp    op;
@@ -79,9 +79,10 @@ typedef struct {
 /*
    MpmNodalPlanCreate - derives the plan of a table, for particles at rest.
 
-   Collective. plan: NULL where the table has none. why: NULL, or why that is so; the reason is NULL for a table that reads
-   so many sums that it has more than MPM_MAX_IMAGES images. Other tables without a plan come from schemes as text that add
-   a particle field to another one of the state, or multiply one by the Courant number. Scratch may be set to a field.
+   Collective. plan: NULL where the table has none. why: NULL, or why that is so; the reason is NULL for a table that
+   reads so many sums that it has more than MPM_MAX_IMAGES images. Other tables without a plan come from schemes as text
+   that add a particle field to another one of the state, or multiply one by the Courant number. Scratch may be set to a
+   field.
 
    Errors: where why is NULL, refuses (PETSC_ERR_USER_INPUT) a table without a plan.
 */
@@ -107,7 +108,9 @@ typedef PetscErrorCode (*MpmNodalMapMatrix)(void *context, const MpmNodalMap *ma
 PetscErrorCode MpmNodalRun(const MpmNodalPlan *plan, PetscInt nodes, MpmNodalMapMatrix map, void *context,
                            double complex *const coefficient[]);
 
-/* ---- the nodal operator of a layout as a sparse matrix, with its maps to and from the particles (nodal_matrix.c) ---- */
+/*
+   ---- the nodal operator of a layout as a sparse matrix, with its maps to and from the particles (nodal_matrix.c) ----
+*/
 
 /*
    MpmNodalMatrixUnknowns - the order of the nodal operator of a layout, or 0 where it is not smaller than that of the
@@ -133,7 +136,8 @@ PetscErrorCode MpmNodalMatrixCreate(MPI_Comm comm, const MpmLayout *layout, cons
                                     const MpmStep *step, Vec unit, MpmReduced **nodal);
 
 /*
-   MpmNodalMatrixOf - the nodal operator of an operator, checked against it, or NULL where it has none or the check fails.
+   MpmNodalMatrixOf - the nodal operator of an operator, checked against it, or NULL where it has none or the check
+                      fails.
 
    Collective.
 */

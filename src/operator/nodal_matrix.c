@@ -32,7 +32,9 @@ static PetscErrorCode MapOf(Nodal *x, const MpmNodalMap *map, Mat *matrix)
 
 /* ---- programs ---- */
 
-/* A program whose registers are those of the state and, after them, the plan's slots, with the first lines of the plan. */
+/*
+   A program whose registers are those of the state and, after them, the plan's slots, with the first lines of the plan.
+*/
 static PetscErrorCode Begin(const Nodal *x, PetscInt lines, MpmStepProgram **program)
 {
   const MpmNodalPlan *plan = x->plan;
@@ -106,7 +108,9 @@ static PetscErrorCode CreateMatrices(Nodal *x, MpmReduced *r)
 
 /* ---- what a step multiplies by a number ---- */
 
-/* Counts the numbers that C and C' have, of so many particles and nodes. too_many: they have too many different ones. */
+/*
+   Counts the numbers that C and C' have, of so many particles and nodes. too_many: they have too many different ones.
+*/
 static void Count(const MpmNodalPlan *plan, PetscInt64 particles, PetscInt64 nodes, MpmReduced *r, PetscBool *too_many)
 {
   *too_many = PETSC_FALSE;
@@ -178,9 +182,9 @@ static PetscErrorCode Balance(Vec unit, MpmReduced *r)
 }
 
 /*
-   The same of the unknowns of nodes where masses differ: all images are sums over particles divided by the nodal mass m, and with powers of two next
-   to its root they have the size of the particles' balanced numbers. Without it rounding of the heavy nodes' numbers spoils
-   the light ones'.
+   The same of the unknowns of nodes where masses differ: all images are sums over particles divided by the nodal mass
+   m, and with powers of two next to its root they have the size of the particles' balanced numbers. Without it rounding
+   of the heavy nodes' numbers spoils the light ones'.
 */
 static PetscErrorCode BalanceNodes(const Nodal *x, MpmReduced *r)
 {

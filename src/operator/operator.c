@@ -395,8 +395,8 @@ PetscErrorCode MpmOperatorToState(const MpmOperator *op, Vec re, Vec im)
 /*
    ---- the operator of a matrix that was given: of a file, or of a code that was probed ----
 
-   Its units are anybody's, so it is balanced: rows and columns are scaled by powers of two until both have about the same
-   size.
+   Its units are anybody's, so it is balanced: rows and columns are scaled by powers of two until both have about the
+   same size.
 */
 
 /* The sums of abs of a matrix' rows without the diagonal, each column times its scale. */
@@ -434,8 +434,8 @@ static PetscErrorCode RowSums(Mat A, Vec scale, Vec sums)
 
 /*
    One sweep. With D = diag(d), row i of D A D^-1 has the sum r_i = d_i sum_j abs(a_ij) / d_j, and its column the sum
-   c_i = sum_j d_j abs(a_ji) / d_i. Each d_i is multiplied by (c_i / r_i)^(1/4): all are moved at once, and so half as far
-   as one alone would be. change: the largest, of the logarithm to base 2.
+   c_i = sum_j d_j abs(a_ji) / d_i. Each d_i is multiplied by (c_i / r_i)^(1/4): all are moved at once, and so half as
+   far as one alone would be. change: the largest, of the logarithm to base 2.
 */
 static PetscErrorCode Sweep(Mat A, Mat transposed, Vec d, Vec inverse, Vec rows, Vec columns, PetscReal *change)
 {

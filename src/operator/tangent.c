@@ -1,6 +1,6 @@
 /*
-   A table about a state, and its differential as a program. With w the weights of a map, w_c their derivatives along c, M the
-   nodal masses and dx the perturbation of the places that the weights are of:
+   A table about a state, and its differential as a program. With w the weights of a map, w_c their derivatives along c,
+   M the nodal masses and dx the perturbation of the places that the weights are of:
 
      P2G    y = a (sum w m q) / M          dy = a (sum w m dq + sum_c sum w_c m q dx_c) / M - y dM / M
      mass   M = sum w m                    dM = sum_c sum w_c m dx_c
@@ -16,8 +16,8 @@
 
      ADVANCE x += way       dx += dway. In the middle of a step weights and masses are made anew there, and dx_c is that of these places
 
-   All weights are those of the start of the step, or of its last ADVANCE. Operations that are linear with constant numbers are their own
-   differentials.
+   All weights are those of the start of the step, or of its last ADVANCE. Operations that are linear with constant
+   numbers are their own differentials.
 */
 #include "operator/tangent.h"
 #include "scene/material.h"
@@ -31,8 +31,8 @@
 static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
 
 /*
-   The registers of the program: those of the table's particles, then the places, their perturbation where the weights are made,
-   and a copy of dF; on nodes those of the table, and the mass.
+   The registers of the program: those of the table's particles, then the places, their perturbation where the weights
+   are made, and a copy of dF; on nodes those of the table, and the mass.
 */
 typedef struct {
   PetscInt place, start, copy, node, mass;
@@ -51,8 +51,8 @@ static Slots SlotsOf(const MpmTable *t)
 }
 
 /*
-   program: the tangent. values: what the registers hold in the step itself, and value its vectors. weight: properties of
-   particles, NULL where they are 1. inverse: of the nodal masses.
+   program: the tangent. values: what the registers hold in the step itself, and value its vectors. weight: properties
+   of particles, NULL where they are 1. inverse: of the nodal masses.
 */
 typedef struct {
   const MpmSlab           *sizes;
@@ -618,7 +618,10 @@ static PetscErrorCode Advance(Builder *b, const MpmOp *op)
 
 static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op);
 
-/* What the table of a system makes of w = k (v + theta a) in its registers, where a is in increment; its lines are appended. */
+/*
+   What the table of a system makes of w = k (v + theta a) in its registers, where a is in increment; its lines are
+   appended.
+*/
 static PetscErrorCode Ahead(Builder *b, const MpmTable *k, const Vec increment[])
 {
   PetscFunctionBegin;
@@ -632,7 +635,9 @@ static PetscErrorCode Ahead(Builder *b, const MpmTable *k, const Vec increment[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The line that solves with 1 - k^2 theta f' on the registers of image, at an increment. f(w) is then in their values. */
+/*
+   The line that solves with 1 - k^2 theta f' on the registers of image, at an increment. f(w) is then in their values.
+*/
 static PetscErrorCode System(const Builder *b, const MpmTable *k, const Vec increment[], PetscBool *inverted,
                              MpmLine *line)
 {
@@ -662,7 +667,10 @@ static PetscErrorCode System(const Builder *b, const MpmTable *k, const Vec incr
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Newton's method: the increment, and the system at it. Its step is the whole one, since steps that need parts are not smooth. */
+/*
+   Newton's method: the increment, and the system at it. Its step is the whole one, since steps that need parts are not
+   smooth.
+*/
 static PetscErrorCode Newton(Builder *b, const MpmTable *k, Vec increment[], MpmLine *system)
 {
   PetscReal change = INFINITY, size = 0, before;

@@ -1,6 +1,7 @@
 /*
    Tangent: the derivative of a step of a nonlinear scheme with respect to the state before it (theory of the tangent,
-   docs/theory.md, section 11). It is made of the same table as the step: each operation is followed by its differential.
+   docs/theory.md, section 11). It is made of the same table as the step: each operation is followed by its
+   differential.
 */
 #pragma once
 #include "march/march_private.h"
@@ -13,8 +14,8 @@
    nstate - the number of fields of a state: the places in each direction, in cells, and then the registers of the
             table's state. Unknown f of particle id has the number nstate id + f.
    work   - the memory in which tangents are applied; they share it
-   branch, on_surface - with a material that flows: which derivative particles on the yield surface have, and how many of
-            them the last tangent has met there, on all ranks
+   branch, on_surface - with a material that flows: which derivative particles on the yield surface have, and how many
+            of them the last tangent has met there, on all ranks
 S*/
 typedef struct {
   MpmSlab     sizes;
@@ -53,13 +54,14 @@ PetscErrorCode MpmTangentStateCreate(const MpmTangentSpace *space, MpmTangentSta
 PetscErrorCode MpmTangentStateDestroy(const MpmTangentSpace *space, MpmTangentState *state);
 
 /*
-   MpmTangentRoom - how far the particles of a state are from places where the step has no derivative, in cells: the least
-   distance of any particle, in any direction. On hats these places are the nodes, where the slopes of the weights jump, and
-   the tangent holds for perturbations that take no particle there. On quadratic splines they are the middles of cells, and
-   with gimp where the edge of a particle meets a node: there the slopes of the slopes jump. Infinite for cubic splines.
+   MpmTangentRoom - how far the particles of a state are from places where the step has no derivative, in cells: the
+   least distance of any particle, in any direction. On hats these places are the nodes, where the slopes of the weights
+   jump, and the tangent holds for perturbations that take no particle there. On quadratic splines they are the middles
+   of cells, and with gimp where the edge of a particle meets a node: there the slopes of the slopes jump. Infinite for
+   cubic splines.
 
-   MpmTangentCheck - refuses (PETSC_ERR_USER_INPUT) a state with a particle at such a place. In a run that goes through such
-   a state the tangent is that of one side.
+   MpmTangentCheck - refuses (PETSC_ERR_USER_INPUT) a state with a particle at such a place. In a run that goes through
+   such a state the tangent is that of one side.
 
    Collective.
 */
@@ -90,8 +92,8 @@ PetscErrorCode MpmTangentBytes(Mat tangent, PetscReal *bytes);
 /* ---- the states of a march ---- */
 
 /*
-   MpmMarchPut - puts a field of a march's particles, of whole numbers or of others, plus a number, into a column of all, a
-   table with a row for each id.
+   MpmMarchPut - puts a field of a march's particles, of whole numbers or of others, plus a number, into a column of
+   all, a table with a row for each id.
 
    Collective. The caller assembles the vector.
 */
@@ -107,8 +109,8 @@ PetscErrorCode MpmTangentStateOf(const MpmTangentSpace *space, const MpmMarch *m
 
 /*
    MpmTangentMismatch - takes a march through its next step, and compares it with the step that the tangent at the state
-   before is made of. The result is the largest difference of a place, in cells, or of a field, over the largest number of
-   that field or 1.
+   before is made of. The result is the largest difference of a place, in cells, or of a field, over the largest number
+   of that field or 1.
 
    Collective. tangent: that of the step. The result is NaN when the march fails in this step.
 */

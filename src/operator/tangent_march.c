@@ -1,6 +1,6 @@
 /*
-   A rank of the march has the particles that are in its cells now, and one of a tangent those that were there at rest. So
-   each particle sends its numbers to the row of its id.
+   A rank of the march has the particles that are in its cells now, and one of a tangent those that were there at rest.
+   So each particle sends its numbers to the row of its id.
 */
 #include "operator/tangent.h"
 #include "march/finite.h"

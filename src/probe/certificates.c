@@ -6,9 +6,9 @@
 
 #define SWITCHES 0.02 /* of smooth steps the response depends on its size by up to 2e-3 (a thousandfold curvature) */
 /*
-   Of what should vanish with the size of perturbations. Smooth steps were measured to have up to 3e-7, of floats 3e-4. A
-   clamp on one particle of 32 that has a thousandth of its strength shows 1e-4, and made growth of 3e-5 per step that was
-   not there.
+   Of what should vanish with the size of perturbations. Smooth steps were measured to have up to 3e-7, of floats 3e-4.
+   A clamp on one particle of 32 that has a thousandth of its strength shows 1e-4, and made growth of 3e-5 per step that
+   was not there.
 */
 #define KINKS 1e-5
 #define KINKS_SINGLE 1e-3
@@ -190,10 +190,10 @@ static PetscReal Difference(const MpmProbe *p, const PetscReal one[], const Pets
 }
 
 /*
-   Steps a perturbed state before and after another one, which is the base state with its particles in the opposite order: it
-   is as good a state as the base, and every particle is elsewhere. What the answers differ by is an error of the operator.
-   Then the first perturbation of all is asked for once more. If its response has changed by more than comes of that, a
-   larger perturbation has switched something on that stays.
+   Steps a perturbed state before and after another one, which is the base state with its particles in the opposite
+   order: it is as good a state as the base, and every particle is elsewhere. What the answers differ by is an error of
+   the operator. Then the first perturbation of all is asked for once more. If its response has changed by more than
+   comes of that, a larger perturbation has switched something on that stays.
 */
 PetscErrorCode MpmCertifyRepeat(MpmProbe *p, const PetscBool apart[], MpmCertificates *c)
 {
@@ -247,8 +247,8 @@ static PetscErrorCode Additivity(MpmProbe *p, PetscReal size, MpmCertificates *c
 }
 
 /*
-   What rounding a number of the state may make of a response, in scales, with perturbations of a size. Floats have a few digits
-   of a place left when its scale is the width of a cell.
+   What rounding a number of the state may make of a response, in scales, with perturbations of a size. Floats have a
+   few digits of a place left when its scale is the width of a cell.
 */
 static PetscReal Rounding(const MpmProbe *p, PetscInt64 i, PetscReal size)
 {
@@ -258,8 +258,8 @@ static PetscReal Rounding(const MpmProbe *p, PetscInt64 i, PetscReal size)
 }
 
 /*
-   D(s) = (F(q + s r) + F(q - s r) - 2 F(q)) / (2 s) is of the order of s where F is smooth, and does not depend on s where
-   F has a kink at q. So 2 D(s / 2) - D(s) shows the kink.
+   D(s) = (F(q + s r) + F(q - s r) - 2 F(q)) / (2 s) is of the order of s where F is smooth, and does not depend on s
+   where F has a kink at q. So 2 D(s / 2) - D(s) shows the kink.
 */
 static PetscErrorCode OneSided(MpmProbe *p, PetscReal size, MpmCertificates *c)
 {
@@ -294,8 +294,8 @@ static PetscErrorCode OneSided(MpmProbe *p, PetscReal size, MpmCertificates *c)
 }
 
 /*
-   The response to a random perturbation of everything, for no size: of two sizes the error, which is of the order of their
-   square where the step is smooth, is taken out (Richardson 1911).
+   The response to a random perturbation of everything, for no size: of two sizes the error, which is of the order of
+   their square where the step is smooth, is taken out (Richardson 1911).
 */
 static PetscErrorCode RespondToAll(MpmProbe *p, PetscReal amount[], PetscReal response[])
 {
@@ -389,8 +389,9 @@ PetscErrorCode MpmCertifyOperator(MpmProbe *p, const MpmProbeLattice *l, const M
 /* ---- the verdict ---- */
 
 /*
-   Whether growth is beyond what the fault that a certificate shows can make of an eigenvalue of this condition. What is felt
-   too far away may be felt in every cell. A code that is another one in the next step, or later, has other eigenvalues.
+   Whether growth is beyond what the fault that a certificate shows can make of an eigenvalue of this condition. What is
+   felt too far away may be felt in every cell. A code that is another one in the next step, or later, has other
+   eigenvalues.
 */
 static PetscBool IsBeyond(const MpmCertificates *c, MpmCertificate which, PetscReal condition, const MpmFinding *f)
 {

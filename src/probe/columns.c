@@ -1,7 +1,7 @@
 /*
-   The columns of an operator: particles of one colour of <mpmstab_scales.h> are perturbed together. Cells are left free between what
-   two of them reach: what arrives there shows that the reach was taken too short. Without places each particle has a colour of
-   its own.
+   The columns of an operator: particles of one colour of <mpmstab_scales.h> are perturbed together. Cells are left free
+   between what two of them reach: what arrives there shows that the reach was taken too short. Without places each
+   particle has a colour of its own.
 */
 #include "probe/columns.h"
 #include "linalg/singular.h"

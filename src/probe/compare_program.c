@@ -1,7 +1,7 @@
 /*
-   The option compare has keys of a scene, as formulation=usl,transfer=apic,courant=0.5. What it leaves open is taken from
-   the code: dimension, particles in a cell and their offset, drift, and with a wave speed or moduli the time step and the
-   width of a cell.
+   The option compare has keys of a scene, as formulation=usl,transfer=apic,courant=0.5. What it leaves open is taken
+   from the code: dimension, particles in a cell and their offset, drift, and with a wave speed or moduli the time step
+   and the width of a cell.
 */
 #include "probe/compare_program.h"
 #include "analysis/waves.h"
@@ -251,7 +251,9 @@ static PetscErrorCode TryScheme(MpmCompareProgram *c, const MpmScheme *scheme, M
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What else the code could be: formulations and transfers that keep as many numbers, and in one dimension every basis. */
+/*
+   What else the code could be: formulations and transfers that keep as many numbers, and in one dimension every basis.
+*/
 static PetscErrorCode Seek(MpmCompareProgram *c)
 {
   MpmScheme   scheme = c->scene->scheme;

@@ -30,8 +30,8 @@ typedef struct {
 /*
    MpmCompareProgramBegin - makes the scene and its operator, before the code is probed.
 
-   Collective. The program must be prepared. Errors: PETSC_ERR_USER_INPUT where the code's cells are not alike, the option
-   is no scene, or the scene has other cells or another drift than the code.
+   Collective. The program must be prepared. Errors: PETSC_ERR_USER_INPUT where the code's cells are not alike, the
+   option is no scene, or the scene has other cells or another drift than the code.
 
    MpmCompareProgramFind - compares. blocks: those of the code, without what is set apart. growth: of the code over all
    waves, or NaN if it is to be found.

@@ -1,7 +1,7 @@
 /*
-   The largest stable time step of a code. Where its operator is a polynomial of the time step, it is probed at a few steps, and
-   those that are tried cost no calls; else an operator is built for each. Where the code takes any number
-   of particles, a free block and a lone particle are cut from the lattice: their limits are often below the interior's.
+   The largest stable time step of a code. Where its operator is a polynomial of the time step, it is probed at a few
+   steps, and those that are tried cost no calls; else an operator is built for each. Where the code takes any number of
+   particles, a free block and a lone particle are cut from the lattice: their limits are often below the interior's.
 */
 #include "probe/critical_program.h"
 #include "analysis/search.h"
@@ -32,11 +32,11 @@
 const char *const MpmProgramLimitNames[] = {"interior", "block", "lone_particle", "state"};
 
 /*S
-   Search - whose growth is asked for. part: a free block or a lone particle, which has a base state of its own; NULL: the
-   program itself.
+   Search - whose growth is asked for. part: a free block or a lone particle, which has a base state of its own; NULL:
+   the program itself.
 
-   place      - its operator at all time steps, where known says so: at rest one polynomial, in motion one for each of n places of the
-                period
+   place      - its operator at all time steps, where known says so: at rest one polynomial, in motion one for each of n
+                places of the period
    wave       - phases of the waves whose growth is looked at; all: the largest of all waves is sought
    given      - numbers of a particle that nothing reads in the interior
    unit       - what the progress line counts, with the number so far
@@ -124,8 +124,8 @@ static PetscErrorCode Growth(void *context, PetscReal dt, PetscReal *growth)
 }
 
 /*
-   The limit, from a start on by doubling or halving. So many equally spaced steps below it are tried too, since growth may begin and
-   end there.
+   The limit, from a start on by doubling or halving. So many equally spaced steps below it are tried too, since growth
+   may begin and end there.
 */
 static PetscErrorCode Limit(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
 {
@@ -149,8 +149,8 @@ static PetscErrorCode Limit(Search *s, PetscReal start, PetscInt below, PetscRea
 }
 
 /*
-   The limit of all waves. It is sought for a few of them; where another one grows at it or below, that one is taken, too, and the limit is
-   sought again.
+   The limit of all waves. It is sought for a few of them; where another one grows at it or below, that one is taken,
+   too, and the limit is sought again.
 */
 static PetscErrorCode LimitOfWaves(Search *s, PetscReal start, PetscInt below, PetscReal *limit)
 {
@@ -212,8 +212,9 @@ static PetscErrorCode FindPolynomials(Search *s, PetscReal centre, PetscBool *fi
 }
 
 /*
-   By the polynomial, which is probed around a time step that is near the limit, and must hold at the limit and at half of it. found:
-   whether it does. In motion a limit of 0 is one: growth of ringing gets smaller with the time step, and does not vanish.
+   By the polynomial, which is probed around a time step that is near the limit, and must hold at the limit and at half
+   of it. found: whether it does. In motion a limit of 0 is one: growth of ringing gets smaller with the time step, and
+   does not vanish.
 */
 static PetscErrorCode FindKnown(Search *s, PetscReal start, PetscInt below, PetscReal *limit, PetscBool *found)
 {

@@ -50,13 +50,13 @@ typedef struct {
 } MpmCriticalProgram;
 
 /*
-   MpmCriticalProgramBegin - looks at the code, and says how many calls the search will take. MpmCriticalProgramFind finds
-   the limits: growth at a few time steps tells where they are. Steps below each limit are tried too, so that it is the
-   first one.
+   MpmCriticalProgramBegin - looks at the code, and says how many calls the search will take. MpmCriticalProgramFind
+   finds the limits: growth at a few time steps tells where they are. Steps below each limit are tried too, so that it
+   is the first one.
 
-   Collective. The program must have been opened, and not be prepared; MpmCriticalProgramBegin prepares it. Afterwards it is
-   prepared for the time step that it came with, with its certificates. Errors: PETSC_ERR_USER_INPUT when the code has no
-   such parameter, or fails.
+   Collective. The program must have been opened, and not be prepared; MpmCriticalProgramBegin prepares it. Afterwards
+   it is prepared for the time step that it came with, with its certificates. Errors: PETSC_ERR_USER_INPUT when the code
+   has no such parameter, or fails.
 */
 PetscErrorCode MpmCriticalProgramBegin(MpmProgram *program, MpmCriticalProgram *critical);
 PetscErrorCode MpmCriticalProgramFind(MpmProgram *program, PetscReal started, MpmCriticalProgram *critical);

@@ -1,7 +1,7 @@
 /*
-   The operator of a code as a polynomial of its time step. Steps of most codes are: A(dt) = sum over i of w_i(dt) A(dt_i), with
-   Lagrange's weights w_i of a few dt_i at which the operator is probed. So limits are sought without new probes. Responses at
-   other time steps show whether it is so.
+   The operator of a code as a polynomial of its time step. Steps of most codes are: A(dt) = sum over i of w_i(dt)
+   A(dt_i), with Lagrange's weights w_i of a few dt_i at which the operator is probed. So limits are sought without new
+   probes. Responses at other time steps show whether it is so.
 */
 #pragma once
 #include "probe/motion.h"
@@ -13,8 +13,8 @@
 
    name   - of the parameter that is the time step
    unread - of the first operator
-   small  - of matrices: the operators on the space that their columns span, on every rank. They have the same eigenvalues, but
-            for zeros
+   small  - of matrices: the operators on the space that their columns span, on every rank. They have the same
+            eigenvalues, but for zeros
    motion - the operators are those of a step of it, number step; NULL: of the base state
    given  - numbers of a particle that are known to be read by nothing, whose columns are not probed; NULL: none
 S*/
@@ -31,8 +31,8 @@ typedef struct {
 } MpmDtPolynomial;
 
 /*
-   MpmDtPolynomialFind - probes at time steps around a centre, and takes more of them until responses at others are foretold. fits:
-   whether they are. A base state that moves has no such polynomial.
+   MpmDtPolynomialFind - probes at time steps around a centre, and takes more of them until responses at others are
+   foretold. fits: whether they are. A base state that moves has no such polynomial.
 
    MpmDtPolynomialHolds - whether a response at a time step is foretold. differs: by how much it is not, relative to it.
 
@@ -43,8 +43,8 @@ PetscErrorCode MpmDtPolynomialHolds(MpmDtPolynomial *polynomial, PetscReal dt, P
 PetscErrorCode MpmDtPolynomialDestroy(MpmDtPolynomial *polynomial);
 
 /*
-   MpmDtPolynomialAt - the operator at a time step, without numbers that nothing reads back. MpmDtPolynomialLargest - of a matrix its eigenvalue
-   of largest abs. Collective; the first not for blocks.
+   MpmDtPolynomialAt - the operator at a time step, without numbers that nothing reads back. MpmDtPolynomialLargest - of
+   a matrix its eigenvalue of largest abs. Collective; the first not for blocks.
 */
 PetscErrorCode MpmDtPolynomialAt(const MpmDtPolynomial *polynomial, PetscReal dt, MpmProbed *probed);
 PetscErrorCode MpmDtPolynomialLargest(MpmDtPolynomial *polynomial, PetscReal dt, PetscReal value[2]);

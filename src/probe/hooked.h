@@ -1,6 +1,6 @@
 /*
-   What the hook says of a matrix in the comments of its Matrix Market file (include/mpmstab_probe.h): how far the matrix
-   can be trusted, and where the particles are.
+   What the hook says of a matrix in the comments of its Matrix Market file (include/mpmstab_probe.h): how far the
+   matrix can be trusted, and where the particles are.
 
      % steps: 8              that the matrix covers; anybody may write this one
      % numbers: 3            of a particle; unknowns are particle by particle
@@ -18,8 +18,8 @@
 #define MPM_HOOKED_NUMBERS 1024 /* of a particle whose scales are kept */
 
 /*S
-   MpmHooked - value: of certificates, NaN of those that are not said; other numbers are then 0. x: the places, MPM_MAX_DIM numbers a particle, of
-   which the file has place_dim. given: which comments were there.
+   MpmHooked - value: of certificates, NaN of those that are not said; other numbers are then 0. x: the places,
+   MPM_MAX_DIM numbers a particle, of which the file has place_dim. given: which comments were there.
 S*/
 typedef struct {
   PetscReal  value[MPM_CERTIFICATES], size, single, numbers, cell_width, period[MPM_MAX_DIM], steps;
@@ -33,16 +33,17 @@ typedef struct {
 } MpmHooked;
 
 /*
-   Not collective. Begin with nothing said; take a comment, without its '%'; free the places. wrong: what is allowed in the
-   place of a comment that has not the numbers it should have; NULL: nothing is wrong, or the comment is none of these.
+   Not collective. Begin with nothing said; take a comment, without its '%'; free the places. wrong: what is allowed in
+   the place of a comment that has not the numbers it should have; NULL: nothing is wrong, or the comment is none of
+   these.
 */
 void           MpmHookedBegin(MpmHooked *hooked);
 PetscErrorCode MpmHookedTake(const char comment[], MpmHooked *hooked, const char **wrong);
 PetscErrorCode MpmHookedFree(MpmHooked *hooked);
 
 /*
-   MpmHookedCertificates - gives all ranks what the first one has read. tolerance: of the verdict; single precision has a
-   larger one.
+   MpmHookedCertificates - gives all ranks what the first one has read. tolerance: of the verdict; single precision has
+   a larger one.
 
    Collective.
 */

@@ -29,8 +29,9 @@ static int ByPlace(const void *one, const void *other)
 }
 
 /*
-   The box of cells that has all particles, and the cell of each. Particles beyond a period are where they would be without. A
-   place just below a face is on it. Returns whether there are as many particles as cells, so that none needs to be empty.
+   The box of cells that has all particles, and the cell of each. Particles beyond a period are where they would be
+   without. A place just below a face is on it. Returns whether there are as many particles as cells, so that none needs
+   to be empty.
 */
 static PetscBool FindCells(const MpmProbePlaces *p, MpmProbeLattice *l, Place places[])
 {
@@ -202,9 +203,9 @@ PetscInt MpmProbeLatticeDistance(const MpmProbeLattice *l, PetscInt cell, PetscI
 }
 
 /*
-   Whether a site of a cell is so far from one of another cell that what arrives there could have come, or gone on, beyond
-   the edge: it is in the last layer of particles, or nearly half a period away. Of a cell half a period away it is not known
-   on which side it is.
+   Whether a site of a cell is so far from one of another cell that what arrives there could have come, or gone on,
+   beyond the edge: it is in the last layer of particles, or nearly half a period away. Of a cell half a period away it
+   is not known on which side it is.
 */
 static PetscBool IsFar(const MpmStepper *s, const MpmProbeLattice *l, PetscInt cell, PetscInt site, PetscInt from,
                        PetscInt from_site)

@@ -26,8 +26,8 @@ typedef struct {
 } MpmProbeLattice;
 
 /*S
-   MpmProbePlaces - where n particles are: dim numbers each, in cell widths, as the periods are (0: none). near: places in a cell
-   that differ by less are the same.
+   MpmProbePlaces - where n particles are: dim numbers each, in cell widths, as the periods are (0: none). near: places
+   in a cell that differ by less are the same.
 S*/
 typedef struct {
   PetscInt         dim;
@@ -37,8 +37,8 @@ typedef struct {
 } MpmProbePlaces;
 
 /*
-   MpmProbeLatticeFind - sorts particles into cells. MpmProbeLatticeOf - does so with those of a base state, whose cells must also
-   have the same values. why_not: why the cells are not alike, empty if they are.
+   MpmProbeLatticeFind - sorts particles into cells. MpmProbeLatticeOf - does so with those of a base state, whose cells
+   must also have the same values. why_not: why the cells are not alike, empty if they are.
 
    Not collective.
 */
@@ -47,8 +47,8 @@ PetscErrorCode MpmProbeLatticeOf(const MpmProbe *probe, MpmProbeLattice *lattice
 PetscErrorCode MpmProbeLatticeDestroy(MpmProbeLattice *lattice);
 
 /*
-   Not collective. The cell in the middle; and the distance of a cell from another one in a direction, the shorter way round
-   where there is a period.
+   Not collective. The cell in the middle; and the distance of a cell from another one in a direction, the shorter way
+   round where there is a period.
 */
 PetscInt MpmProbeLatticeMiddle(const MpmProbeLattice *lattice);
 PetscInt MpmProbeLatticeDistance(const MpmProbeLattice *lattice, PetscInt cell, PetscInt from, PetscInt axis);
@@ -56,15 +56,15 @@ PetscInt MpmProbeLatticeDistance(const MpmProbeLattice *lattice, PetscInt cell, 
 /*
    MpmProbeBlocks - probes the unknowns of a cell, with perturbations of a size.
 
-   Collective: the ranks share the columns, and all get all blocks. farthest: the largest entry of the blocks for particles
-   at the edge, over the largest of all: 0 when nothing arrives there.
+   Collective: the ranks share the columns, and all get all blocks. farthest: the largest entry of the blocks for
+   particles at the edge, over the largest of all: 0 when nothing arrives there.
 */
 PetscErrorCode MpmProbeBlocks(MpmProbe *probe, const MpmProbeLattice *lattice, PetscInt cell, PetscReal size,
                               MpmBlocks *blocks, PetscReal *farthest);
 
 /*
-   MpmProbeBlocksMatrix - the operator of all particles, whose cells fill the period in each direction. Collective; blocks may be
-   without numbers of particles that are set apart.
+   MpmProbeBlocksMatrix - the operator of all particles, whose cells fill the period in each direction. Collective;
+   blocks may be without numbers of particles that are set apart.
 
    MpmProbeLatticeAt - the cell of a particle in each direction, and its site. Not collective.
 */
@@ -75,8 +75,8 @@ void           MpmProbeLatticeAt(const void *lattice, PetscInt64 particle, Petsc
 /*
    MpmProbeBlocksCompare - compares a response with what the blocks give, in all cells that no edge can have touched.
 
-   Not collective. amount, response: as MpmProbeRandom has them. apart[c]: whether number c of a particle is left out. differ: the largest difference, over the
-   largest number of the response. compared: the number of cells.
+   Not collective. amount, response: as MpmProbeRandom has them. apart[c]: whether number c of a particle is left out.
+   differ: the largest difference, over the largest number of the response. compared: the number of cells.
 */
 void MpmProbeBlocksCompare(const MpmProbe *probe, const MpmProbeLattice *lattice, const MpmBlocks *blocks,
                            const PetscReal amount[], const PetscReal response[], const PetscBool apart[],

@@ -13,8 +13,8 @@
 #define AS_GOOD 1e-9  /* of two ways that differ by as much, the one with more names in common is taken */
 
 /*
-   Both operators on the blocks of all distances that either has: A[((b n + u) n + v], n = sites x width; u = site x width +
-   number. Those of the other side stand in its own order.
+   Both operators on the blocks of all distances that either has: A[((b n + u) n + v], n = sites x width; u = site x
+   width + number. Those of the other side stand in its own order.
 */
 typedef struct {
   const MpmMatchSide *side[2];

@@ -15,8 +15,8 @@
 #define MPM_DIFFERENCES 1024 /* that are kept */
 
 /*E
-   MpmMatchKind - in which orders codes keep the components of a field: of a symmetric tensor row by row, or the diagonal
-   first; of a matrix by rows or by columns.
+   MpmMatchKind - in which orders codes keep the components of a field: of a symmetric tensor row by row, or the
+   diagonal first; of a matrix by rows or by columns.
 E*/
 typedef enum { MPM_MATCH_NUMBERS, MPM_MATCH_TENSOR, MPM_MATCH_MATRIX } MpmMatchKind;
 
@@ -39,8 +39,8 @@ typedef struct {
 } MpmMatchSide;
 
 /*S
-   MpmDifference - the entry that differs most of those by which field from of the cell at -d gives to field to: fields of
-   the first side, and in its units.
+   MpmDifference - the entry that differs most of those by which field from of the cell at -d gives to field to: fields
+   of the first side, and in its units.
 S*/
 typedef struct {
   PetscInt  d[MPM_MAX_DIM], to, from;

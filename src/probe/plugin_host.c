@@ -82,8 +82,8 @@ static int Open(Host *h, const char path[])
 }
 
 /*
-   Takes the size of the state from the description, 0 when that is wrong, which its reader says; and writes it as one line, with the
-   states that may come in one request. What is no JSON goes as it is: its reader says so.
+   Takes the size of the state from the description, 0 when that is wrong, which its reader says; and writes it as one
+   line, with the states that may come in one request. What is no JSON goes as it is: its reader says so.
 */
 static void WriteDescription(Host *h, const char text[])
 {

@@ -1,4 +1,7 @@
-/* Plugin host: the process in which a shared library runs (option plugin), so that nothing that the library does ends mpmstab. */
+/*
+   Plugin host: the process in which a shared library runs (option plugin), so that nothing that the library does ends
+   mpmstab.
+*/
 #pragma once
 
 #define MPM_PLUGIN_HOST                                                                                                \
@@ -8,8 +11,8 @@
    MpmPluginHost - loads a shared library with the functions of <mpmstab/plugin.h>, and answers protocol 1 with them on
    standard input and output, until its input ends.
 
-   Not collective; it needs neither MPI nor PETSc. What is wrong with the library, or went wrong in it, is an answer with
-   a "failure". The library itself has an empty standard input, and its standard output is the standard error.
+   Not collective; it needs neither MPI nor PETSc. What is wrong with the library, or went wrong in it, is an answer
+   with a "failure". The library itself has an empty standard input, and its standard output is the standard error.
 
    Returns: the exit status of the process.
 */

@@ -17,9 +17,9 @@
 #define SCALES_SIZE_SINGLE 0.03125
 
 /*
-   The sizes that are tried, in scales. The best is between rounding, which is the precision over the size, and curvature,
-   which is its square. In single precision they are large: most steps are quadratic about rest, and a central difference
-   cancels that.
+   The sizes that are tried, in scales. The best is between rounding, which is the precision over the size, and
+   curvature, which is its square. In single precision they are large: most steps are quadratic about rest, and a
+   central difference cancels that.
 */
 static const PetscReal sizes[2][SIZES] = {{1e-2, 1e-3, 1e-4, 1e-5, 1e-6}, {0.3, 0.1, 0.03, 0.01, 0.003}};
 
@@ -438,8 +438,8 @@ static PetscErrorCode ChooseSizes(MpmProbe *p)
 /* ---- requests of several steps ---- */
 
 /*
-   Steps a state by requests of some steps each, until LATEST steps are done or it has changed much. first: the state after
-   the first request.
+   Steps a state by requests of some steps each, until LATEST steps are done or it has changed much. first: the state
+   after the first request.
 */
 static PetscErrorCode StepOften(MpmProbe *p, PetscInt each, const PetscReal state[], PetscReal first[], PetscReal now[],
                                 PetscInt *requests)
@@ -464,9 +464,9 @@ static PetscErrorCode StepOften(MpmProbe *p, PetscInt each, const PetscReal stat
 }
 
 /*
-   differs: by how much requests of some steps each differ from one request for all those steps, and the first of them from the same
-   one later, over the size of the perturbation that the state has. Of a code that counts its steps these begin at other
-   numbers, unless each request has whole periods.
+   differs: by how much requests of some steps each differ from one request for all those steps, and the first of them
+   from the same one later, over the size of the perturbation that the state has. Of a code that counts its steps these
+   begin at other numbers, unless each request has whole periods.
 */
 static PetscErrorCode Compose(MpmProbe *p, PetscInt each, PetscReal *differs)
 {
@@ -493,9 +493,9 @@ static PetscErrorCode Compose(MpmProbe *p, PetscInt each, PetscReal *differs)
 }
 
 /*
-   Looks for the number of steps after which steps repeat, if they are not alike, also when they are asked for again: a switch
-   that has been thrown in between changes them once. All ranks then begin with a whole period, whatever each of them has asked
-   before.
+   Looks for the number of steps after which steps repeat, if they are not alike, also when they are asked for again: a
+   switch that has been thrown in between changes them once. All ranks then begin with a whole period, whatever each of
+   them has asked before.
 */
 static PetscErrorCode FindSteps(MpmProbe *p, PetscReal state[])
 {

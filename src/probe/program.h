@@ -21,8 +21,8 @@
    tolerance    - of the verdict; at least 1e-5 in single precision
    blocks       - of the lattice, when MpmProgramMatrix has probed them
    cells        - the same as a lattice of waves; fields is 0 where all eigenvalues are computed without
-   columns      - the responses that an operator costs with one size, of two calls each; 0 of a shell, and until they are
-                  known
+   columns      - the responses that an operator costs with one size, of two calls each; 0 of a shell, and until they
+                  are known
    unit         - what the progress line counts
 S*/
 typedef struct MpmProgram_ {
@@ -57,8 +57,8 @@ PetscErrorCode MpmProgramForget(MpmProgram *program);
 PetscErrorCode MpmProgramClose(MpmProgram *program);
 
 /*
-   MpmProgramRebase - looks at a base state that was changed, whose cells are taken to be those of before. size: of perturbations; 0: as
-   before. Collective.
+   MpmProgramRebase - looks at a base state that was changed, whose cells are taken to be those of before. size: of
+   perturbations; 0: as before. Collective.
 */
 PetscErrorCode MpmProgramRebase(MpmProgram *program, PetscReal size);
 
@@ -66,14 +66,15 @@ PetscErrorCode MpmProgramRebase(MpmProgram *program, PetscReal size);
 PetscErrorCode MpmProgramAdvance(MpmProgram *program, PetscInt steps);
 
 /*
-   MpmProgramProbe - the operator with one size of perturbations, and with all unknowns: blocks where it is probed by Bloch, a shell,
-   or a matrix. reach: what is felt farther away than should be; NaN where nothing is too far.
+   MpmProgramProbe - the operator with one size of perturbations, and with all unknowns: blocks where it is probed by
+   Bloch, a shell, or a matrix. reach: what is felt farther away than should be; NaN where nothing is too far.
    MpmProgramNoise - an entry of the operator up to this is none. Not collective.
 
-   MpmProgramOperator - the operator with both sizes, without unknowns that are only integrated (of a shell nothing is set apart); takes all
-   certificates. other NULL: probes with one size and takes no certificate. MpmProgramMatrix - does the same; blocks become the
-   matrix of all particles. MpmProgramCertify - the second half of it: given all and kept with one size, probes the operator with the
-   other size, and takes all certificates but repeat. MpmProgramLattice - NULL, or the lattice whose waves tell the eigenvalues of that matrix.
+   MpmProgramOperator - the operator with both sizes, without unknowns that are only integrated (of a shell nothing is
+   set apart); takes all certificates. other NULL: probes with one size and takes no certificate. MpmProgramMatrix -
+   does the same; blocks become the matrix of all particles. MpmProgramCertify - the second half of it: given all and
+   kept with one size, probes the operator with the other size, and takes all certificates but repeat. MpmProgramLattice
+   - NULL, or the lattice whose waves tell the eigenvalues of that matrix.
 
    Collective. Free them with MpmProbedFree or MatDestroy.
 */
@@ -86,6 +87,7 @@ PetscErrorCode MpmProgramMatrix(MpmProgram *program, Mat *one, Mat *other);
 const MpmBlochCells *MpmProgramLattice(const MpmProgram *program);
 
 /*
-   MpmProgramJudge - a finding's verdict by MpmCertificatesJudge. What is set apart counts in its growth. Not collective.
+   MpmProgramJudge - a finding's verdict by MpmCertificatesJudge. What is set apart counts in its growth. Not
+                     collective.
 */
 PetscErrorCode MpmProgramJudge(const MpmProgram *program, PetscReal other, PetscReal condition, MpmFinding *finding);

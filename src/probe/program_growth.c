@@ -1,4 +1,7 @@
-/* From a prepared program to a verdict: its operator is probed with both sizes of perturbations. Then what its mode and a switch show. */
+/*
+   From a prepared program to a verdict: its operator is probed with both sizes of perturbations. Then what its mode and
+   a switch show.
+*/
 #include "probe/program_growth.h"
 #include "analysis/waves.h"
 #include "base/hash.h"
@@ -86,7 +89,10 @@ PetscErrorCode MpmCarriersFind(const MpmProgram *p, const MpmSpectrum *s, MpmCar
 
 /* ---- verdicts ---- */
 
-/* Without all eigenvalues those of a shell or a lattice near the spectrum's first mode are found on the space of that mode. */
+/*
+   Without all eigenvalues those of a shell or a lattice near the spectrum's first mode are found on the space of that
+   mode.
+*/
 static PetscErrorCode SolveOther(const MpmProgram *p, const MpmSpectrum *s, Mat B, MpmEigen **eigen)
 {
   const PetscReal target[2] = {0, 0};
@@ -288,8 +294,8 @@ PetscErrorCode MpmKinksFind(MpmProgram *p, MpmKinks *k)
 /* ---- growth by running: the largest Lyapunov exponent by scaling perturbations back (Benettin et al. 1980) ---- */
 
 /*
-   state: the base and the perturbed states; kept: those before a request. log: the logarithms of growth in request i, from log[i * PERTURBATIONS]
-   on, after which done[i] steps are over; there is room for so many of the requests.
+   state: the base and the perturbed states; kept: those before a request. log: the logarithms of growth in request i,
+   from log[i * PERTURBATIONS] on, after which done[i] steps are over; there is room for so many of the requests.
 */
 typedef struct {
   MpmProbe  *probe;
@@ -337,8 +343,9 @@ static PetscErrorCode Request(Run *r, PetscInt steps, PetscReal size, PetscReal 
 }
 
 /*
-   Growth is the mean over the second half. Its limits have Student's interval of the perturbations, what the last quarter differs by from
-   the one before, since modes that are close to one another part slowly, and what perturbations of this size bend.
+   Growth is the mean over the second half. Its limits have Student's interval of the perturbations, what the last
+   quarter differs by from the one before, since modes that are close to one another part slowly, and what perturbations
+   of this size bend.
 */
 static void Fit(const Run *r, PetscReal size, MpmProgramRun *run)
 {

@@ -5,11 +5,13 @@
      > {"do":"describe"}                        < {"protocol":1, ...}   the base state
      > {"do":"set","NAME":VALUE}                < {}
      > {"do":"step","steps":N}   the state      < {}                    the state      with "reset":true if it can, and
-                                                                                       "states":M with M states at a time
+                                                                                       "states":M with M states at a
+                                                                                       time
      > {"do":"scene","particles":N, ...}        < {}                    the base state, of N places, volumes and masses
      > {"do":"quit"}
 
-   Instead an answer may be an "error", in the words of the code, or a "failure", a sentence of the process of a library.
+   Instead an answer may be an "error", in the words of the code, or a "failure", a sentence of the process of a
+   library.
 */
 #include "probe/stepper.h"
 #include "base/child.h"
@@ -68,8 +70,8 @@ static void TakeFailure(MpmStepper *s)
 }
 
 /*
-   Sends a command with a state or without, and takes the answer, an object of JSON that the caller frees; NULL after a failure.
-   what: was asked for, as messages say it; of a description they say nothing of the kind.
+   Sends a command with a state or without, and takes the answer, an object of JSON that the caller frees; NULL after a
+   failure. what: was asked for, as messages say it; of a description they say nothing of the kind.
 */
 static PetscErrorCode Ask(MpmStepper *s, const char what[], json_t *command, const PetscReal *state, size_t n,
                           json_t **answer)

@@ -1,6 +1,7 @@
 /*
    Stepper: one step of a code that is not ours, from outside. It takes the state of particles and gives the state after
-   some steps. A child process stands behind it: a program, or the host of a shared library (a plugin). Both speak protocol 1.
+   some steps. A child process stands behind it: a program, or the host of a shared library (a plugin). Both speak
+   protocol 1.
 
    A step may fail on one rank alone. So MpmStepperStep returns no error for that; MpmStepperAgree tells all ranks.
 */
@@ -41,19 +42,21 @@ typedef struct {
    where       - the option and its value, for messages; whose: 'the program' or 'the library'
    name        - of the code
    dim, cell_width, period - of its grid; a period of 0: none in that direction
-   described   - the number of particles that the code has described, or of the scene that it was given since; 0: of none
+   described   - the number of particles that the code has described, or of the scene that it was given since; 0: of
+                 none
    particles   - the number in the base state; width: of the numbers of a particle, which the fields share
    place       - the number of the field that is the particle's place, or MPM_NONE
    cell        - instead of a place the cell of each particle, dim numbers each, or NULL
    parameters  - what can be set, with the values that the code came with and those that are set now
-   steps       - the number of steps after which the state can be compared with the one before; changes: it was found, since
-                 steps are not alike
+   steps       - the number of steps after which the state can be compared with the one before; changes: it was found,
+                 since steps are not alike
    resets      - before a step the code can forget all that it keeps besides the state
    batch       - so many states may come in one request
-   searched    - scales of fields have been looked for; unsettled: by so many powers of 2 they change when that is done again,
-                 infinite: they were not found
+   searched    - scales of fields have been looked for; unsettled: by so many powers of 2 they change when that is done
+                 again, infinite: they were not found
    any_count   - a step may be asked for another number of particles
-   scenes      - the code takes particles by place, volume and mass; has_periods: it has said its periods, which a scene must have
+   scenes      - the code takes particles by place, volume and mass; has_periods: it has said its periods, which a scene
+                 must have
    base        - the base state: particles x width numbers
    failure     - of this rank; empty: none
    calls, done - states that were stepped on this rank, and their steps; slowest: seconds that one took
@@ -90,8 +93,8 @@ PetscErrorCode MpmStepperStartProgram(const char command[], PetscReal timeout, M
 PetscErrorCode MpmStepperStartPlugin(const char path[], PetscReal timeout, MpmStepper **stepper);
 
 /*
-   MpmStepperTakeScene - gives a code the place, volume and mass of particles, dim + 2 numbers each, and takes its base state. material: is
-   freed; NULL: the code's. Collective.
+   MpmStepperTakeScene - gives a code the place, volume and mass of particles, dim + 2 numbers each, and takes its base
+   state. material: is freed; NULL: the code's. Collective.
 */
 PetscErrorCode MpmStepperTakeScene(MpmStepper *stepper, PetscInt64 particles, const PetscReal given[],
                                    json_t *material);
@@ -117,11 +120,11 @@ PetscErrorCode MpmStepperParameterNames(const MpmStepper *stepper, MpmText *name
 
 /*
    MpmStepperStep - replaces the state of particles by the one after some steps. A number that is not finite is a
-   failure of the code. After a failure the state stays as it is. MpmStepperStepAll: several states, one after another in
-   memory; the code gets as many at a time as it takes.
+   failure of the code. After a failure the state stays as it is. MpmStepperStepAll: several states, one after another
+   in memory; the code gets as many at a time as it takes.
 
-   MpmStepperExpect - begins a progress line of about so many calls from now on, unless there is one. MpmStepperForgetExpected
-   ends it.
+   MpmStepperExpect - begins a progress line of about so many calls from now on, unless there is one.
+   MpmStepperForgetExpected ends it.
 
    Not collective. particles: stepper->particles, or another number if any_count.
 */

@@ -49,8 +49,8 @@ PetscErrorCode MpmCollision(const MpmSlab *slab, const MpmOp *op, PetscReal time
 }
 
 /*
-   The nodes of a wall lose their values, and take a times what register src has there; the others keep theirs. Colliders
-   that are linear: dst += (P - 1) u along one axis.
+   The nodes of a wall lose their values, and take a times what register src has there; the others keep theirs.
+   Colliders that are linear: dst += (P - 1) u along one axis.
 */
 PetscInt MpmLinesOfOp(const MpmOp *op, PetscInt dim, PetscInt nodes, MpmLine line[MPM_MAX_DIM])
 {

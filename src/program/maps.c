@@ -133,8 +133,8 @@ static PetscInt Weights(const MpmMaps *maps, const MpmOpKind kinds[], const MpmP
 
 /*
    A matrix of weights, particles x nodes. Rows are particles in the order of their ids, times a property. Two of a
-   particle's nodes may be one and the same, in a short periodic grid or at a wall; their weights add up. At places weights
-   of 0 are left out.
+   particle's nodes may be one and the same, in a short periodic grid or at a wall; their weights add up. At places
+   weights of 0 are left out.
 */
 static PetscErrorCode ParticlesByNodes(const MpmMaps *maps, const MpmOpKind kinds[], const MpmParity parity[],
                                        PetscBool drop, MpmProperty property, Mat *map)
@@ -180,8 +180,8 @@ static PetscErrorCode OfKind(const MpmMaps *maps, MpmOpKind kind, PetscInt axis,
 }
 
 /*
-   A number less than MPM_PARITIES for parities that mirror a node field alike. 0: even; 1 + a: the component of a vector
-   along axis a; the last: a number that is imposed on walls.
+   A number less than MPM_PARITIES for parities that mirror a node field alike. 0: even; 1 + a: the component of a
+   vector along axis a; the last: a number that is imposed on walls.
 */
 static PetscInt ParityClass(const MpmLayout *layout, const MpmParity parity[])
 {
@@ -192,9 +192,9 @@ static PetscInt ParityClass(const MpmLayout *layout, const MpmParity parity[])
 }
 
 /*
-   Along the axis that an operation acts along weights are those of its kind, along the others phi. So the derivative of a
-   weight with respect to the place x_c of the particle is the same product, with the factor of direction c replaced by its
-   derivative:
+   Along the axis that an operation acts along weights are those of its kind, along the others phi. So the derivative of
+   a weight with respect to the place x_c of the particle is the same product, with the factor of direction c replaced
+   by its derivative:
 
      weight     phi    phi'    phi r          phi r / D        r = x_i - x_p, D = sum_i phi r^2
      derivative phi'   phi''   phi' r - phi   (phi r / D)'
@@ -341,12 +341,13 @@ static PetscErrorCode FillRows(PetscInt n, const PetscReal half[], Mat inverse)
 }
 
 /*
-   (W^T W)^+ M for W (particles x nodes) and the masses M on the nodes, by all eigenvalues and vectors, in the scaled form
+   (W^T W)^+ M for W (particles x nodes) and the masses M on the nodes, by all eigenvalues and vectors, in the scaled
+   form
 
      D (D W^T W D)^+ D^-1   with D = M^-1/2
 
-   The scaling gives light and heavy nodes the same weight. Then only nodal data that no particle feels are singular. W is
-   overwritten. Every rank diagonalises the whole matrix.
+   The scaling gives light and heavy nodes the same weight. Then only nodal data that no particle feels are singular. W
+   is overwritten. Every rank diagonalises the whole matrix.
 */
 static PetscErrorCode NormalInverse(Mat W, Vec masses, Mat *inverse)
 {

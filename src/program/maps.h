@@ -42,8 +42,7 @@ PetscInt MpmNodeAlong(const MpmLayout *layout, PetscInt node, PetscInt axis, Pet
 
 /*S
    MpmParticlePlaces - where particles are: cell[a][p] and xi[a][p] in [0,1), in direction a. The cell is global, and
-   need not be
-   inside of a periodic domain.
+   need not be inside of a periodic domain.
 S*/
 typedef struct {
   PetscInt  *cell[MPM_MAX_DIM];
@@ -70,9 +69,10 @@ typedef struct {
 /*
    MpmMapsGet - the matrix of an operation that is a map.
 
-   From nodes to particles it is particles x nodes. From particles to nodes it is nodes x particles, divided by the nodal
-   masses; rows of nodes without mass are 0. A stencil is nodes x nodes, and so is WALL, 1 for the nodes of the wall. SOLVE is
-   (W^T m W)^+ M: W is G2P without the wall nodes that impose 0, m are the masses of the particles and M those of the nodes.
+   From nodes to particles it is particles x nodes. From particles to nodes it is nodes x particles, divided by the
+   nodal masses; rows of nodes without mass are 0. A stencil is nodes x nodes, and so is WALL, 1 for the nodes of the
+   wall. SOLVE is (W^T m W)^+ M: W is G2P without the wall nodes that impose 0, m are the masses of the particles and M
+   those of the nodes.
 
    Collective. SOLVE takes all eigenvalues of W^T m W, and refuses grids too large for that.
 */

@@ -23,8 +23,8 @@ static PetscErrorCode Raise(const MpmMatrices *m, const MpmLine *line, Mat *matr
 /* ---- one matrix of several ---- */
 
 /*
-   Copies the rows of the parts to those of A. A NULL: counts their numbers, in the columns of this rank (own) and in those of
-   others (far).
+   Copies the rows of the parts to those of A. A NULL: counts their numbers, in the columns of this rank (own) and in
+   those of others (far).
 */
 static PetscErrorCode CopyRows(PetscInt parts, const Mat part[], Mat A, PetscInt own[], PetscInt far[])
 {
@@ -52,8 +52,9 @@ static PetscErrorCode CopyRows(PetscInt parts, const Mat part[], Mat A, PetscInt
 }
 
 /*
-   One matrix of so many parts, NULL where they are 0: row i of part f becomes row parts x i + f. rows, columns: how many this
-   rank has of each part. diagonal: the result has every entry of its diagonal, if only as 0, so that it can be shifted.
+   One matrix of so many parts, NULL where they are 0: row i of part f becomes row parts x i + f. rows, columns: how
+   many this rank has of each part. diagonal: the result has every entry of its diagonal, if only as 0, so that it can
+   be shifted.
 */
 static PetscErrorCode Interleave(MPI_Comm comm, PetscInt parts, const Mat part[], PetscInt rows, PetscInt columns,
                                  PetscBool diagonal, Mat *A)

@@ -108,9 +108,9 @@ PetscErrorCode MpmStepProgramBytes(const MpmStepProgram *p, PetscReal *bytes)
 /*
    ---- registers as vectors ----
 
-   The product of a program with what it takes, without a matrix. A sparse matrix of a map is small: a particle has weights
-   at the nodes around it alone. The matrix of a step couples every particle to all those that share a node with it, and in
-   three dimensions it would be hundreds of times larger.
+   The product of a program with what it takes, without a matrix. A sparse matrix of a map is small: a particle has
+   weights at the nodes around it alone. The matrix of a step couples every particle to all those that share a node with
+   it, and in three dimensions it would be hundreds of times larger.
 */
 
 PetscErrorCode MpmRegisterVector(const MpmRegisters *r, PetscInt place, Vec *vector)

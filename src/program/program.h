@@ -1,8 +1,7 @@
 /*
    Program: a step, or several, as a list of lines on registers, and the one interpreter that walks them. What a
-   register
-   is, an algebra says: a vector (program.c), a sparse matrix whose columns are the numbers that the program takes
-   (matrices.c), or a polynomial of small matrices (operator/nodal.c).
+   register is, an algebra says: a vector (program.c), a sparse matrix whose columns are the numbers that the program
+   takes (matrices.c), or a polynomial of small matrices (operator/nodal.c).
 
    Registers are numbered: first those of particles, then those of nodes. A line with a map M is
 
@@ -43,8 +42,8 @@ static inline PetscInt MpmRegisterPlace(const MpmRegisters *r, PetscInt reg)
    op          - the key of the line's map: the operation of a table that it comes from. NULL: the identity
    key         - in a plan (operator/nodal.h) the number of the line's map, or MPM_NONE: the identity
    map         - the matrix of the map, of a line that is bound to particles at their places. NULL: the identity
-   nsolve, solve - 0, or register dst and the nsolve - 1 after it, node by node, become the solution of a system with these as its
-                 right side. The line has no map then.
+   nsolve, solve - 0, or register dst and the nsolve - 1 after it, node by node, become the solution of a system with
+                 these as its right side. The line has no map then.
    transposed  - the line's map is the transpose of map
    left, right - NULL: ones
 S*/
@@ -112,10 +111,10 @@ PetscErrorCode MpmStepProgramBytes(const MpmStepProgram *program, PetscReal *byt
    MpmRegistersOf - the registers of a slab's table, which takes and gives its state
    MpmStepProgramAppendStep - appends the operations of a table, with the particles where maps has them. again: a step
              came before, whose scratch registers are set to 0
-   MpmStepProgramAppendTable - appends the operations of a table. maps: NULL for lines with keys alone, for an algebra that
-             knows what a map is by its operation
-   MpmLinesOfOp - the lines of an operation, with keys, in a table of dim directions whose first register of nodes is nodes;
-             returns how many there are. Only that is not collective.
+   MpmStepProgramAppendTable - appends the operations of a table. maps: NULL for lines with keys alone, for an algebra
+             that knows what a map is by its operation
+   MpmLinesOfOp - the lines of an operation, with keys, in a table of dim directions whose first register of nodes is
+             nodes; returns how many there are. Only that is not collective.
    MpmLineBind - sets the map of a line with a key, or left of COLLIDE of linear colliders, or the solver of IMPLICIT
    MpmLineRelease - destroys them
    MpmCollision - what COLLIDE adds at the nodes of a slab, whose velocity is u, NULL: 0; and its derivative by each
@@ -163,8 +162,8 @@ PetscErrorCode MpmRegisterVector(const MpmRegisters *registers, PetscInt place, 
 
 /*
    MpmStepProgramMatrix - a MATSHELL whose products, and transposed products, run a program on vectors. The matrix has
-   references to both from then on. vectors: NULL for memory of its own. MatGetInfo has the program's nonzeros. MatNorm has
-   its infinity norm from below; other norms are not known.
+   references to both from then on. vectors: NULL for memory of its own. MatGetInfo has the program's nonzeros. MatNorm
+   has its infinity norm from below; other norms are not known.
 
    MpmMatrixProgram - the program of such a matrix. MpmMatrixCopy - a second matrix of the same program, which may be
    scaled by itself.
@@ -177,9 +176,8 @@ PetscErrorCode MpmMatrixCopy(Mat matrix, Mat *copy);
 
 /*S
    MpmMatrices - registers as sparse matrices. Their rows are particles or nodes, and their columns what the program
-   takes. NULL
-   is 0. As polynomials in the Courant number they have a block of columns for each power, and a multiplication by k
-   moves each block to the next one.
+   takes. NULL is 0. As polynomials in the Courant number they have a block of columns for each power, and a
+   multiplication by k moves each block to the next one.
 
    columns       - of this rank
    times_courant - what multiplies by k, or NULL where k is the number courant

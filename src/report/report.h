@@ -28,10 +28,10 @@ void MpmResultSay(json_t *result, const char format[], ...) __attribute__((forma
 void MpmResultKeep(json_t *result, const char format[], ...) __attribute__((format(printf, 2, 3)));
 
 /*
-   MpmResultPut - keeps a value of any kind, and takes it over. MpmResultIn, MpmResultList - the object, or the list, of a
-   name, which is made if there is none. MpmResultNext - a new object at the end of the list of a name. MpmResultNumbers -
-   keeps a list of numbers, with null for one that is not finite. MpmResultVector - does so, or keeps the number itself
-   where there is one direction.
+   MpmResultPut - keeps a value of any kind, and takes it over. MpmResultIn, MpmResultList - the object, or the list, of
+   a name, which is made if there is none. MpmResultNext - a new object at the end of the list of a name.
+   MpmResultNumbers - keeps a list of numbers, with null for one that is not finite. MpmResultVector - does so, or keeps
+   the number itself where there is one direction.
 
    Not collective.
 */
@@ -51,9 +51,9 @@ void    MpmResultVector(json_t *result, const char name[], PetscInt n, const Pet
 PetscErrorCode MpmResultEnd(const MpmRequest *request, PetscReal wall_s, json_t **result);
 
 /*
-   MpmResultOfScene, MpmResultOfFile - begin a report: a tree with version, task, and scheme and grid or the file or code
-   in place of a scene, which they also print in a few lines. what: a matrix, or blocks of a lattice; NULL: its line has
-   been printed, by MpmReportFile. What is printed from here on is held until MpmResultEnd.
+   MpmResultOfScene, MpmResultOfFile - begin a report: a tree with version, task, and scheme and grid or the file or
+   code in place of a scene, which they also print in a few lines. what: a matrix, or blocks of a lattice; NULL: its
+   line has been printed, by MpmReportFile. What is printed from here on is held until MpmResultEnd.
 
    Collective.
 */
@@ -78,14 +78,15 @@ PetscErrorCode MpmReportNodal(const MpmTable *table, const char before[]);
 PetscErrorCode MpmReportUnits(const MpmScene *scene, const MpmRequest *request);
 
 /*
-   Not collective. The layout that an answer is of, in words, without walls and materials. What a map varies is said to vary.
+   Not collective. The layout that an answer is of, in words, without walls and materials. What a map varies is said to
+   vary.
 */
 PetscErrorCode MpmReportLayout(const MpmScene *scene, const MpmRequest *request, size_t room, char text[]);
 
 /*
    MpmReportLimit - prints a limit of the Courant number as the largest time step, in the scene's unit of time. A second
-   line has the scene's own time step over the limit, if one was given. Where it grows this line also says growth per step at
-   the scene's own Courant number; NaN: it is not known.
+   line has the scene's own time step over the limit, if one was given. Where it grows this line also says growth per
+   step at the scene's own Courant number; NaN: it is not known.
 
    Collective. Prints nothing of scenes that are not in physical units, nor of a limit that is undecided (NaN). courant
    may be 0 or infinite, as in MpmCritical. windows: there are windows of growth below the limit. of: its layout.
@@ -95,8 +96,8 @@ void MpmReportLimit(const MpmScene *scene, PetscReal tolerance, PetscReal couran
 
 /*
    Keeps windows of growth and how many Courant numbers were looked at, and prints those below a limit, each in a line
-   that begins with so many blanks. Nothing where windows were not looked for; nothing is printed where there is no limit
-   above them (0 or undecided).
+   that begins with so many blanks. Nothing where windows were not looked for; nothing is printed where there is no
+   limit above them (0 or undecided).
 */
 void MpmReportWindows(json_t *result, PetscInt blanks, PetscReal courant, const MpmCriticalWindows *windows);
 
@@ -113,9 +114,9 @@ void MpmReportPredictions(json_t *result, const MpmPredictor *predictor, const M
 void MpmReportComparison(json_t *result, const MpmPredictor *predictor, const MpmComparison *comparison);
 
 /*
-   MpmReportFinding - verdict, margin and evidence. scene: that of the layout, which stands beside the verdict; NULL: there
-   is none. condition: that of the eigenvalue on which the verdict rests; NaN for none. MpmResultFinding keeps them without a
-   word. MpmResultSymbol keeps phases and growth of a symbol as 'symbol'.
+   MpmReportFinding - verdict, margin and evidence. scene: that of the layout, which stands beside the verdict; NULL:
+   there is none. condition: that of the eigenvalue on which the verdict rests; NaN for none. MpmResultFinding keeps
+   them without a word. MpmResultSymbol keeps phases and growth of a symbol as 'symbol'.
 */
 PetscErrorCode MpmReportFinding(json_t *result, const MpmScene *scene, const MpmRequest *request,
                                 const MpmFinding *finding, PetscReal condition);
@@ -123,7 +124,8 @@ void           MpmResultFinding(json_t *result, const MpmFinding *finding);
 void           MpmResultSymbol(json_t *result, const MpmSymbol *symbol);
 
 /*
-   MpmVectorText - numbers of the directions as text, with so many digits: the number itself in one dimension, else (x, y).
+   MpmVectorText - numbers of the directions as text, with so many digits: the number itself in one dimension, else (x,
+                   y).
    MpmCountsText - whole numbers as text: 8, else 8 x 16.
 
    Not collective. They return text, which may be MPM_VECTOR_ROOM: room that lasts as long as the block around the call.

@@ -180,7 +180,10 @@ const char *MpmNeighbourhoodSubject(MpmNeighbourhoodKind kind)
   return said[kind];
 }
 
-/* A limit of 0 is that of a place which particles may never come to. So the limit of the scene's own layout is said again. */
+/*
+   A limit of 0 is that of a place which particles may never come to. So the limit of the scene's own layout is said
+   again.
+*/
 static void PrintAway(const MpmScene *s, const MpmNeighbourhoods *all)
 {
   for (PetscInt i = 0; i < all->n; i++) {

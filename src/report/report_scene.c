@@ -97,7 +97,9 @@ static PetscBool HasGravity(const MpmScene *s)
 
 #define SAME_DENSITY 1e-3 /* relative */
 
-/* The particles of a file, and where their masses over volumes are not the density that the speed of waves is made of. */
+/*
+   The particles of a file, and where their masses over volumes are not the density that the speed of waves is made of.
+*/
 static void PrintGiven(const MpmScene *s)
 {
   const MpmGiven *given   = s->layout.given;

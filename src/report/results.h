@@ -20,8 +20,8 @@ void MpmReportQuiet(json_t *result, const MpmCritical *critical);
 
 /*
    MpmNeighbourhoodsReport - a line for each neighbourhood, with its limit or else its growth, the worst of them and the
-   verdict. limits: the worst is the one with the least limit, else the one with the largest growth. table: a table of steps
-   follows; what stands there is not printed.
+   verdict. limits: the worst is the one with the least limit, else the one with the largest growth. table: a table of
+   steps follows; what stands there is not printed.
 
    Collective.
 */
@@ -34,7 +34,9 @@ const char *MpmNeighbourhoodSubject(MpmNeighbourhoodKind kind);
 void MpmStepTableReport(json_t *result, const MpmScene *scene, const MpmRequest *request, const char lattice[],
                         const MpmStepTable *table);
 
-/* Not collective. Type, length, direction and phases of a wave in words; assembled: of a mode that has it for the most. */
+/*
+   Not collective. Type, length, direction and phases of a wave in words; assembled: of a mode that has it for the most.
+*/
 void MpmReportWave(PetscInt dim, PetscBool assembled, MpmWaveType wave, const PetscReal beta[], size_t room,
                    char text[]);
 

@@ -17,8 +17,8 @@
 typedef struct MpmBody_ MpmBody; /* settings_bodies.c has it */
 
 /*
-   option: what is read, colliders or bodies, of which n have been read. body: the rigid one that is read, or the place of
-   the one of particles; text: what has been read, as records have it.
+   option: what is read, colliders or bodies, of which n have been read. body: the rigid one that is read, or the place
+   of the one of particles; text: what has been read, as records have it.
 */
 typedef struct {
   const MpmSettings *settings;
@@ -50,10 +50,11 @@ const yaml_node_t *MpmBlockFind(const MpmBlockReader *r, const yaml_node_t *bloc
    MpmBlockReadWord      - which of the names a key's word is
    MpmBlockReadNumbers   - finite numbers of a key, as many as the scene has directions or, where one, a single one
    MpmBlockReadShape     - the shape of a block; more: another word than those of the shapes, NULL: none
-   MpmBlockCheckKeys     - refuses keys that a body of this shape does not have, and keys that are there twice. names: room for those of
-                           all shapes, of which n are there, and those of the shape, which are added
+   MpmBlockCheckKeys     - refuses keys that a body of this shape does not have, and keys that are there twice. names:
+                           room for those of all shapes, of which n are there, and those of the shape, which are added
    MpmBlockReadShapeKeys - the keys of its shape
-   MpmBlockBeginFile     - begins a file that a key of a body names: where messages say that it is named. Outputs must not overwrite it
+   MpmBlockBeginFile     - begins a file that a key of a body names: where messages say that it is named. Outputs must
+                           not overwrite it
    MpmBlockReadAll       - reads the list. record: room for the text that records have
 
    Collective. They refuse what is not allowed.

@@ -1,7 +1,8 @@
 /*
-   The signed distance of a body, from an HDF5 file: the array distance at the nodes of a grid, with the axes in the order x, y, z (as
-   numpy's meshgrid with indexing='ij' has it), the array origin, the place of the first node, and the array spacing, of one number
-   or of one for each axis. All are in the scene's unit of length. The first rank reads it, and all have a copy.
+   The signed distance of a body, from an HDF5 file: the array distance at the nodes of a grid, with the axes in the
+   order x, y, z (as numpy's meshgrid with indexing='ij' has it), the array origin, the place of the first node, and the
+   array spacing, of one number or of one for each axis. All are in the scene's unit of length. The first rank reads it,
+   and all have a copy.
 */
 #include "base/hdf5.h"
 #include "base/memory.h"

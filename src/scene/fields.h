@@ -59,7 +59,8 @@ typedef enum { MPM_FILE_NONE, MPM_FILE_READ, MPM_FILE_WRITTEN } MpmFileUse;
    help       - its meaning, as 'mpmstab list options' prints it
    lo, hi     - bounds of a number; lo itself is out when lo_open
    words      - the words that are allowed, NULL after the last; word(i): the same as a function
-   also       - a word that may stand in the place of a number, or NULL; where a number is needed, it is the default then
+   also       - a word that may stand in the place of a number, or NULL; where a number is needed, it is the default
+                then
    rival      - an option that says the same in another way, so that giving both is an error; several with commas
    tasks      - those that read it (NULL: all); the others refuse it on the command line
    value      - how its value is kept, MPM_NO_VALUE if other fields follow from it
@@ -75,8 +76,8 @@ typedef enum { MPM_FILE_NONE, MPM_FILE_READ, MPM_FILE_WRITTEN } MpmFileUse;
    shown      - whether a record of this scene shows it (NULL: always)
    json       - its key there when that is not its name; 'object.key' is a key inside an object
    exact      - headings show the fraction as such
-   file       - what is done with the file that it names; endings: of one that is written, what its name may end in where
-                a scene gives it, as in ".h5 or .hdf5"
+   file       - what is done with the file that it names; endings: of one that is written, what its name may end in
+                where a scene gives it, as in ".h5 or .hdf5"
    no_key     - the option stands on the command line only
 S*/
 typedef struct {
@@ -125,8 +126,9 @@ PetscBool MpmFieldIsOf(const MpmField *option, const char task[]);
 const char *MpmOptionNear(const char name[]);
 
 /*S
-   MpmValue - a field's value in a scene, or its n values, one for each direction or component. Its kind says where they are:
-   AS_COUNT, AS_LONG in whole; AS_REAL in number[i][0], AS_RANGE in number; AS_FRACTION in fraction; the others in text.
+   MpmValue - a field's value in a scene, or its n values, one for each direction or component. Its kind says where they
+   are: AS_COUNT, AS_LONG in whole; AS_REAL in number[i][0], AS_RANGE in number; AS_FRACTION in fraction; the others in
+   text.
 S*/
 typedef struct {
   const MpmField *field;
@@ -163,8 +165,8 @@ typedef struct {
 } MpmAttribute;
 
 /*
-   Not collective. What value a is as attributes, one or the two ends of a range: the field's name, where there are several
-   with _x, _y or _z, and of a stress with _xx, _xy and so on; the ends have _from and _to behind it.
+   Not collective. What value a is as attributes, one or the two ends of a range: the field's name, where there are
+   several with _x, _y or _z, and of a stress with _xx, _xy and so on; the ends have _from and _to behind it.
 */
 void MpmValueAttributes(const MpmValue *value, PetscInt a, PetscInt *n, MpmAttribute attributes[2]);
 

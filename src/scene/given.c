@@ -1,11 +1,11 @@
 /*
-   Particles whose places a file gives (layout FILE). A CSV file has a header with the names of the columns, then a line for
-   each particle, whose id is the number of its line. The first rank reads the file line by line, twice: it counts the lines,
-   and then fills arrays of that size, which all ranks get. Of an HDF5 file that -output has written, the arrays of the
-   particles at the last step are the columns.
+   Particles whose places a file gives (layout FILE). A CSV file has a header with the names of the columns, then a line
+   for each particle, whose id is the number of its line. The first rank reads the file line by line, twice: it counts
+   the lines, and then fills arrays of that size, which all ranks get. Of an HDF5 file that -output has written, the
+   arrays of the particles at the last step are the columns.
 
-   The moduli of a particle count as its stiffness against a strain in one direction, over the scene's rho c^2: E for a bar,
-   and E (1 - nu) / ((1 + nu) (1 - 2 nu)) in more dimensions.
+   The moduli of a particle count as its stiffness against a strain in one direction, over the scene's rho c^2: E for a
+   bar, and E (1 - nu) / ((1 + nu) (1 - 2 nu)) in more dimensions.
 */
 #include "base/hdf5.h"
 #include "base/memory.h"

@@ -166,7 +166,10 @@ void MpmLayoutSites(const MpmLayout *layout, PetscInt64 id, PetscInt64 site[])
   site[layout->dim - 1] = layout->first[layout->dim - 1] + id;
 }
 
-/* The number of a site. The random numbers of a particle are hashed from it, and do not depend on which sites are taken. */
+/*
+   The number of a site. The random numbers of a particle are hashed from it, and do not depend on which sites are
+   taken.
+*/
 static PetscInt64 Number(const MpmLayout *layout, const PetscInt64 site[])
 {
   PetscInt64 number = 0;

@@ -35,7 +35,8 @@ void MpmLayoutPlace(const MpmLayout *layout, PetscInt64 id, PetscInt cell[], Pet
 
 /*
    MpmGivenCreateRandom - gives a layout particles with random places. MpmGivenScatter - places as many as it has sites:
-   particle id is at cells times hash(seed', id) along a direction, with the seed' of jitter (docs/theory.md, section 1).
+   particle id is at cells times hash(seed', id) along a direction, with the seed' of jitter (docs/theory.md, section
+   1).
 
    Not collective.
 */
@@ -49,14 +50,17 @@ PetscInt64 MpmLayoutSeed(const MpmLayout *layout, PetscInt axis);
 enum { MPM_GIVEN_VOLUME = MPM_MAX_DIM, MPM_GIVEN_MASS, MPM_GIVEN_YOUNG, MPM_GIVEN_POISSON, MPM_GIVEN_FIXED };
 
 /*
-   MpmGivenRead - reads the particles of a CSV or HDF5 file with columns x, y, z in dim dimensions. Places are in the scene's unit.
+   MpmGivenRead - reads the particles of a CSV or HDF5 file with columns x, y, z in dim dimensions. Places are in the
+                  scene's unit.
 
-   Collective. Refuses a file that is none, in a message that begins with where it is named; others: what else is allowed there.
+   Collective. Refuses a file that is none, in a message that begins with where it is named; others: what else is
+   allowed there.
 */
 PetscErrorCode MpmGivenRead(const char where[], const char others[], const char path[], PetscInt dim, MpmGiven **given);
 
 /*
-   MpmDistanceRead - reads the signed distance of a body in dim dimensions. unit: the length of a cell. MpmDistanceDestroy - frees it.
+   MpmDistanceRead - reads the signed distance of a body in dim dimensions. unit: the length of a cell.
+                     MpmDistanceDestroy - frees it.
 
    Collective. Refuses a file that is none, as MpmGivenRead does.
 */
@@ -65,7 +69,8 @@ PetscErrorCode MpmDistanceRead(const char where[], const char path[], PetscInt d
 PetscErrorCode MpmDistanceDestroy(MpmDistance **distance);
 
 /*
-   MpmGivenPlace - MpmLayoutPlace for the particles of a file. MpmGivenText - what of them is the file's, and what is not.
+   MpmGivenPlace - MpmLayoutPlace for the particles of a file. MpmGivenText - what of them is the file's, and what is
+                   not.
    MpmGivenDestroy - frees them.
 
    Not collective.
@@ -77,8 +82,8 @@ PetscErrorCode MpmGivenDestroy(MpmGiven **given);
 /*
    MpmLayoutIsVoid - whether the site of particle id is a void, where a share of all sites are voids.
 
-   Not collective. Site number g is a void where hash(seed', g) < share, with the hash of base/hash.h and a seed' that is
-   itself hashed from the layout's seed (docs/theory.md, section 1).
+   Not collective. Site number g is a void where hash(seed', g) < share, with the hash of base/hash.h and a seed' that
+   is itself hashed from the layout's seed (docs/theory.md, section 1).
 */
 PetscBool MpmLayoutIsVoid(const MpmLayout *layout, PetscInt64 id, PetscReal share);
 

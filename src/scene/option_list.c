@@ -1,11 +1,11 @@
 /*
    The table of fields: a line or two for each.
 
-   A line has the option with its default, meaning and range, and then says where its value is. KEPT: in the scene, as it
-   is given. ASKED: in the request, as it is given. MADE: in the scene, formed by scene.c. TEXT(f): the function f says
-   it. SHOWN(f): records show it when f says so. IN(a, b, c, d) are its places among the attributes of HDF5 files, in JSON, in checkpoints, and among what mode
-   files are compared by; 0: it is not there. A new field takes the first free place, one more than the largest. A field
-   that decides what a run computes has a place in checkpoints.
+   A line has the option with its default, meaning and range, and then says where its value is. KEPT: in the scene, as
+   it is given. ASKED: in the request, as it is given. MADE: in the scene, formed by scene.c. TEXT(f): the function f
+   says it. SHOWN(f): records show it when f says so. IN(a, b, c, d) are its places among the attributes of HDF5 files,
+   in JSON, in checkpoints, and among what mode files are compared by; 0: it is not there. A new field takes the first
+   free place, one more than the largest. A field that decides what a run computes has a place in checkpoints.
 */
 #include "scene/fields.h"
 #include "base/suggest.h"
@@ -84,7 +84,10 @@ WHEN(HasPoisson, MpmSceneHasPoisson(s))
 WHEN(HasDensity, s->density > 0)
 WHEN(HasUnits, MpmSceneIsPhysical(s))
 WHEN(HasSpeed, in != MPM_IN_JSON || MpmSceneIsPhysical(s))
-/* with courant auto step and drift differ from step to step; a checkpoint compares the drift, as it says how fast particles start */
+/*
+   with courant auto step and drift differ from step to step; a checkpoint compares the drift, as it says how fast
+   particles start
+*/
 WHEN(HasOneStep, s->safety == 0)
 WHEN(HasSafety, s->safety > 0)
 WHEN(HasBound, s->safety > 0 || s->watched)

@@ -62,7 +62,8 @@ typedef enum { MPM_PROBE_BLOCH, MPM_PROBE_COLOURED, MPM_PROBE_MATRIX_FREE, MPM_P
 extern const char *const MpmProbeNames[];
 
 /*E
-   MpmTangentKind - the perturbation that goes with a run: none, random numbers, or a velocity like the mode of the scene.
+   MpmTangentKind - the perturbation that goes with a run: none, random numbers, or a velocity like the mode of the
+                    scene.
 E*/
 typedef enum { MPM_TANGENT_NONE, MPM_TANGENT_RANDOM, MPM_TANGENT_MODE } MpmTangentKind;
 extern const char *const MpmTangentNames[];
@@ -96,15 +97,16 @@ extern const char *const MpmNeighbourhoodNames[];
    task              - its name
    steps             - of a run; it writes output_every and checkpoint_every so many steps, and at the last one
    output_interval   - time between outputs; 0: output_every counts
-   end               - of a run that chooses its steps, the time at which it ends; 0: it takes so many steps. Another run ends
-                       after its steps.
+   end               - of a run that chooses its steps, the time at which it ends; 0: it takes so many steps. Another
+                       run ends after its steps.
    step_bound_chance, step_bound_sweeps - of the certificate, and beyond bound 'particle' (mpmstab/step_bound.h)
    tolerance         - growth per step above 1 + tolerance is unstable
    weights, source_term, ringing - what a run measures besides (see march/transfer_diagnostics.h)
    phases            - at which symbol and map take the symbol, in each direction
    refine            - whether symbol also looks for the largest growth over all phases
    modes             - eigenvectors that spectrum writes
-   nodal, nodal_asked - whether eigenvalues are sought of the nodes' operator, where there is one; whether that was given
+   nodal, nodal_asked - whether eigenvalues are sought of the nodes' operator, where there is one; whether that was
+                        given
    measure           - whether spectrum also marches random data
    powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
    tangent, window, exponents, warn_above - the perturbations beside a run (analysis/tangents.h)
@@ -118,17 +120,19 @@ extern const char *const MpmNeighbourhoodNames[];
    axes              - of a map
    at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
                        the Courant number changes, and so does a map over the Courant number
-   matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the steps
-                       that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
-   program, plugin   - the command, or the library, of a code that takes the place of a scene; program_set: its parameters
-                       that are set, program_base: what is added to fields, and program_scene: keys of the scene whose particles it is given; program_dt: the one that is the time step; at: steps after which it is probed;
-                       compare: keys of a scene that it is compared with
+   matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the
+                       steps that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
+   program, plugin   - the command, or the library, of a code that takes the place of a scene; program_set: its
+                       parameters that are set, program_base: what is added to fields, and program_scene: keys of the
+                       scene whose particles it is given; program_dt: the one that is the time step; at: steps after
+                       which it is probed; compare: keys of a scene that it is compared with
    program_timeout, probe - seconds in which a program must answer, and how it is probed; program_period: steps that are
-                       probed together, 0 if that is not said; program_run: those that growth is measured over; program_drift: cells a step that its particles are set along,
-                       or with program_mach Mach numbers; its first den is 0 where nothing was said
+                       probed together, 0 if that is not said; program_run: those that growth is measured over;
+                       program_drift: cells a step that its particles are set along, or with program_mach Mach numbers;
+                       its first den is 0 where nothing was said
    write_matrix, write_blocks - files to which operator and blocks go
-   write_layout      - file to which the worst layout goes
-   output ... restart - names of files, "" for none; xmf describes the output of a run, mode_file holds its initial data
+   write_layout      - file to which the worst layout goes output ... restart - names of files, "" for none; xmf
+   describes the output of a run, mode_file holds its initial data
                        when initial is eigenmode
 S*/
 typedef struct {
@@ -209,8 +213,8 @@ static inline PetscBool MpmRequestKeepsMach(const MpmRequest *request)
    MpmSceneCreate - reads a scene and what a task is to do with it: a YAML file (NULL: none), then the command line in
    PETSc's database of options.
 
-   Collective on PETSC_COMM_WORLD. Refuses bad input with one message (see errors.h). request NULL: not wanted.
-   Destroy the scene with MpmSceneDestroy; a request holds nothing that needs it. *scene is NULL where the options name a
+   Collective on PETSC_COMM_WORLD. Refuses bad input with one message (see errors.h). request NULL: not wanted. Destroy
+   the scene with MpmSceneDestroy; a request holds nothing that needs it. *scene is NULL where the options name a
    matrix, or blocks of a lattice, in its place; request then has their file.
 */
 PetscErrorCode MpmSceneCreate(const char task[], const char path[], MpmScene **scene, MpmRequest *request);

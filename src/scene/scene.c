@@ -113,8 +113,8 @@ static PetscBool FormulationReads(PetscInt i, const char option[])
 }
 
 /*
-   Refuses a number that only some of the words of another option read, transfer or formulation, when the scene has another
-   one. has: whether its own reads it.
+   Refuses a number that only some of the words of another option read, transfer or formulation, when the scene has
+   another one. has: whether its own reads it.
 */
 static PetscErrorCode CheckReads(const MpmSettings *settings, const char option[], const char of[], PetscBool has,
                                  PetscBool (*reads)(PetscInt, const char[]))
@@ -501,8 +501,8 @@ static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmReque
 }
 
 /*
-   Makes a scene from a file, or from text that messages call by a name, and with a request from the command line, too. A
-   refusal frees what there is, since a program such as the fuzzer reads one scene after another.
+   Makes a scene from a file, or from text that messages call by a name, and with a request from the command line, too.
+   A refusal frees what there is, since a program such as the fuzzer reads one scene after another.
 */
 static PetscErrorCode Make(const char path[], const char name[], const char yaml[], MpmRequest *request,
                            MpmScene **scene)

@@ -29,8 +29,8 @@ static PetscBool SetsStage(const MpmFormulation *f, const MpmOp *op)
 }
 
 /*
-   Whether an operation reads or writes a stress of the particles otherwise than DIV and GRAD to and from a vector, and to
-   set that of a stage.
+   Whether an operation reads or writes a stress of the particles otherwise than DIV and GRAD to and from a vector, and
+   to set that of a stage.
 */
 static PetscBool TouchesStress(const MpmFormulation *f, const MpmOp *op)
 {
@@ -63,8 +63,8 @@ static PetscBool LeavesStress(const MpmFormulation *f)
 }
 
 /*
-   Whether a formulation has no IMPLICIT, or one of which the lines before it are those of the linear system: a force of a
-   stress to which GRAD adds a part theta of the step, of a vector with the factor theta^2.
+   Whether a formulation has no IMPLICIT, or one of which the lines before it are those of the linear system: a force of
+   a stress to which GRAD adds a part theta of the step, of a vector with the factor theta^2.
 */
 static PetscBool HasSystem(const MpmFormulation *f)
 {

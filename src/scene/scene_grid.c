@@ -1,6 +1,6 @@
 /*
-   From settings to a scene: wave speed and units, the grid, where particles are in it, the time step, and how far particles
-   move in one.
+   From settings to a scene: wave speed and units, the grid, where particles are in it, the time step, and how far
+   particles move in one.
 */
 #include "base/text.h"
 #include "scene/layout.h"
@@ -13,8 +13,9 @@
    The wave speed of a scene, from moduli and density or as it is given, and whether the scene is in physical units.
 
    With K the bulk and G the shear modulus, M = K + 4/3 G is the stiffness against a strain in one direction alone, and
-   c = sqrt(M / rho) the speed of pressure waves. M = E (1 - nu) / ((1 + nu) (1 - 2 nu)). In one dimension E is that of a
-   bar whose sides are free, where M = E. See any book on elasticity, such as Landau and Lifshitz (1986), sections 5, 22.
+   c = sqrt(M / rho) the speed of pressure waves. M = E (1 - nu) / ((1 + nu) (1 - 2 nu)). In one dimension E is that of
+   a bar whose sides are free, where M = E. See any book on elasticity, such as Landau and Lifshitz (1986), sections 5,
+   22.
 */
 
 #define MOST_DRIFT 1e6 /* cells per step */
@@ -166,8 +167,8 @@ static PetscErrorCode OneOf(const MpmSettings *settings, const MpmScene *scene, 
 
 /*
    The drift of a velocity of 1, dt / h or k / c, or of a Mach number of 1, c dt / h or k. With the time step dt / h is
-   dt cells / L where the length is given. It is a fraction when the numbers that were given are, so that particles come back
-   to their places; the wave speed is none where moduli are given.
+   dt cells / L where the length is given. It is a fraction when the numbers that were given are, so that particles come
+   back to their places; the wave speed is none where moduli are given.
 */
 static PetscErrorCode DriftOfOne(const MpmSettings *settings, const MpmScene *scene, PetscBool mach, MpmFraction *drift)
 {
@@ -188,8 +189,8 @@ static PetscErrorCode DriftOfOne(const MpmSettings *settings, const MpmScene *sc
 }
 
 /*
-   Reads the drift of a velocity, or the drift M k of a Mach number, if one of them is given. Where its terms are too long it
-   is the short fraction that is the same double, if there is one.
+   Reads the drift of a velocity, or the drift M k of a Mach number, if one of them is given. Where its terms are too
+   long it is the short fraction that is the same double, if there is one.
 */
 static PetscErrorCode ReadMotion(const MpmSettings *settings, MpmScene *scene)
 {

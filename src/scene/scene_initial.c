@@ -1,6 +1,6 @@
 /*
-   The initial data of a scene: which wave it starts from, whether that wave exists between its ends, and the exact solution
-   that follows.
+   The initial data of a scene: which wave it starts from, whether that wave exists between its ends, and the exact
+   solution that follows.
 */
 #include "scene/solution.h"
 #include <mpmstab/scene.h>
@@ -10,10 +10,10 @@
 /*
    The exact solution of a scene. Its mode is a plane wave, or the sum of a plane wave and its mirror images.
 
-   A mirror at the left end of direction a takes a velocity field v(X) to R v(R X), where R changes the sign of component
-   a, and a scalar u(X) to u(R X), or to -u(R X) where it vanishes at the end. The continuous problem is the same on both
-   sides. So the mean of a plane wave and of its images is a solution. It fulfils the conditions of symmetry, and for a
-   scalar those of any ends. The conditions at the right end choose the wave number.
+   A mirror at the left end of direction a takes a velocity field v(X) to R v(R X), where R changes the sign of
+   component a, and a scalar u(X) to u(R X), or to -u(R X) where it vanishes at the end. The continuous problem is the
+   same on both sides. So the mean of a plane wave and of its images is a solution. It fulfils the conditions of
+   symmetry, and for a scalar those of any ends. The conditions at the right end choose the wave number.
 */
 
 /* How a mode meets the ends. wave: the plane wave itself. */
@@ -105,7 +105,9 @@ static PetscReal PhaseOf(const Mode *m)
   return (1 - sines) * (PETSC_PI / 2);
 }
 
-/* Adds the images of the waves that there are so far, in all directions with ends but the first that the mode goes in. */
+/*
+   Adds the images of the waves that there are so far, in all directions with ends but the first that the mode goes in.
+*/
 static void AddImages(const Mode *m, MpmProfile *p)
 {
   PetscBool first = m->free ? PETSC_FALSE : PETSC_TRUE;

@@ -40,7 +40,9 @@ static PetscErrorCode FromVolume(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The largest of the wave speeds' squares that are below 0, over rho c^2, or any positive number: of P and of S waves. */
+/*
+   The largest of the wave speeds' squares that are below 0, over rho c^2, or any positive number: of P and of S waves.
+*/
 static PetscReal LeastSpeed(const MpmSpace *space, PetscInt dim, const PetscReal along[])
 {
   const PetscReal *q     = space->squares;
@@ -53,8 +55,8 @@ static PetscReal LeastSpeed(const MpmSpace *space, PetscInt dim, const PetscReal
 }
 
 /*
-   A solid with the stretches F_a along the axes: its true stress sigma and stiffness c, with J = det F times those at rest as
-   the unit. All is divided by rho c^2 = c_0000 + sigma_0, that of P waves along x.
+   A solid with the stretches F_a along the axes: its true stress sigma and stiffness c, with J = det F times those at
+   rest as the unit. All is divided by rho c^2 = c_0000 + sigma_0, that of P waves along x.
 */
 static PetscErrorCode FromSolid(const MpmSettings *settings, MpmScene *scene)
 {
@@ -105,8 +107,8 @@ static PetscBool IsHydrostatic(PetscInt dim, const PetscReal stress[])
 }
 
 /*
-   A stress that is given itself. In more dimensions the stiffness beside it is isotropic with the scene's Poisson ratio,
-   and such that P waves along x have the speed c: lambda + 2 mu + sigma0_xx = rho c^2.
+   A stress that is given itself. In more dimensions the stiffness beside it is isotropic with the scene's Poisson
+   ratio, and such that P waves along x have the speed c: lambda + 2 mu + sigma0_xx = rho c^2.
 */
 static PetscErrorCode FromStress(const MpmSettings *settings, MpmScene *scene)
 {
@@ -137,8 +139,8 @@ static PetscErrorCode FromStress(const MpmSettings *settings, MpmScene *scene)
 }
 
 /*
-   At finite deformation the wave speed c is that of the uniform stretch which a run starts from, as about a prestress. So
-   Courant number and drift mean the same as in the linear scheme about that state.
+   At finite deformation the wave speed c is that of the uniform stretch which a run starts from, as about a prestress.
+   So Courant number and drift mean the same as in the linear scheme about that state.
 */
 
 /*
@@ -171,8 +173,8 @@ static PetscErrorCode SetRatio(const MpmSettings *settings, MpmScene *scene)
 }
 
 /*
-   rho0 c^2 of P waves along x about the stretch F, in units of rho0 c0^2. Such a wave has dF = H F with H_xx alone, and the
-   force d tau_xx - tau_xx H_xx.
+   rho0 c^2 of P waves along x about the stretch F, in units of rho0 c0^2. Such a wave has dF = H F with H_xx alone, and
+   the force d tau_xx - tau_xx H_xx.
 */
 static PetscReal ModulusAlongX(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
 {
@@ -286,7 +288,10 @@ PetscErrorCode MpmSettingsReadLaw(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a stretched state asks of a scene: that it is an equilibrium, and that the force has a derivative at each particle. */
+/*
+   What a stretched state asks of a scene: that it is an equilibrium, and that the force has a derivative at each
+   particle.
+*/
 
 #define TIE 1e-9 /* places nearer to a tie than this are on it */
 
@@ -369,8 +374,8 @@ static PetscErrorCode HasParticleAt(const MpmScene *scene, PetscInt a, PetscReal
 /*
    Where a slope of a basis has a jump in its own slope, a particle's force depends on the side to which it moves, and
    the step has no linear operator: in the middle of a cell for quadratic splines, and where the edge of a gimp particle
-   meets a node. The slopes of hats have a jump themselves, on a node; in one dimension nothing depends on them elsewhere.
-   The weights of mls have none.
+   meets a node. The slopes of hats have a jump themselves, on a node; in one dimension nothing depends on them
+   elsewhere. The weights of mls have none.
 */
 static PetscErrorCode CheckTies(const MpmSettings *settings, const MpmScene *scene)
 {
@@ -468,7 +473,10 @@ static PetscErrorCode Scaled(const MpmSettings *settings, const MpmScene *scene,
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* What a stress of the velocity's gradient depends on, in units of the step: largest is the largest viscosity of a law that has one. */
+/*
+   What a stress of the velocity's gradient depends on, in units of the step: largest is the largest viscosity of a law
+   that has one.
+*/
 static PetscErrorCode ReadViscous(const MpmSettings *settings, MpmScene *scene, PetscReal largest)
 {
   MpmMaterialNumbers *m    = &scene->scheme.space.material;

@@ -305,8 +305,8 @@ static PetscErrorCode RefuseUnknown(const char name[], const char place[], const
 }
 
 /*
-   An option that is not on the list may be a parameter of the scheme that the scene, or the option scheme, names, or the
-   span of a code's parameter.
+   An option that is not on the list may be a parameter of the scheme that the scene, or the option scheme, names, or
+   the span of a code's parameter.
 */
 static PetscErrorCode CheckParameter(const char scene[], const char name[], const char place[])
 {

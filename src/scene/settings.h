@@ -1,7 +1,7 @@
 /*
    Settings: what the user said, as text, with where it was said. The command line overrides what PETSc finds elsewhere
-   (MpmSettingsPlace), this overrides the scene file, and the scene file overrides the defaults. Readers for each kind of
-   value refuse what is not allowed, with one message that names the option, its value and what is allowed.
+   (MpmSettingsPlace), this overrides the scene file, and the scene file overrides the defaults. Readers for each kind
+   of value refuse what is not allowed, with one message that names the option, its value and what is allowed.
 */
 #pragma once
 #include "base/text.h"
@@ -44,8 +44,8 @@ PetscErrorCode MpmSettingsCreate(MpmSettings **settings);
 PetscErrorCode MpmSettingsDestroy(MpmSettings **settings);
 
 /*
-   Collective. Reads the keys of a scene, from a YAML file or from YAML text that messages call by a name, and the options
-   in PETSc's database. Each refuses keys that are unknown and what is given twice.
+   Collective. Reads the keys of a scene, from a YAML file or from YAML text that messages call by a name, and the
+   options in PETSc's database. Each refuses keys that are unknown and what is given twice.
 */
 PetscErrorCode MpmSettingsReadScene(MpmSettings *settings, const char path[]);
 PetscErrorCode MpmSettingsReadText(MpmSettings *settings, const char name[], const char yaml[]);
@@ -64,8 +64,8 @@ PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first);
 
 /*
-   Collective. Sets the numbers that the formulation is given. filters: the transfer has a filter, or makes something else of the nodes, for
-   which stages on particles have no place; such stages are refused then.
+   Collective. Sets the numbers that the formulation is given. filters: the transfer has a filter, or makes something
+   else of the nodes, for which stages on particles have no place; such stages are refused then.
 */
 PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, const MpmFormulation *formulation,
                                              PetscBool filters, MpmSchemeNumbers *numbers);
@@ -75,8 +75,8 @@ PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, const 
                               refuses keys and names that are neither options nor parameters.
    MpmSettingsParameterSaid - what was said of before and name, such as map_ and theta; NULL: nothing
    MpmSettingsRefuseParameter - ends with a message that names it, its value, where it stands, and why it cannot be
-   MpmSettingsHasParameter  - whether name is a parameter of the scheme that scene and command line name, or map_ and one.
-                              near: the parameter that a misspelt name may mean, empty where there is none
+   MpmSettingsHasParameter  - whether name is a parameter of the scheme that scene and command line name, or map_ and
+                              one. near: the parameter that a misspelt name may mean, empty where there is none
 
    Collective.
 */
@@ -92,8 +92,8 @@ PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], Pe
 /*
    MpmSettingsPlace - says where an option of PETSc's database comes from: ", from PETSC_OPTIONS", ", from .petscrc" or
    another file of options; "" for the command line, or the program itself. value: NULL or "" for none.
-   MpmSettingsFind - the text that the database has of the option before and name, "" for none, and its place; NULL: it is
-   not there.
+   MpmSettingsFind - the text that the database has of the option before and name, "" for none, and its place; NULL: it
+   is not there.
    MpmSettingsPlaceFile - gives the names of the files of options, the one that overrules the others first; the command
    line may name one. there: whether there is an i-th name. There need be no such file.
 
@@ -104,8 +104,8 @@ PetscErrorCode MpmSettingsFind(const char before[], const char name[], const cha
 PetscErrorCode MpmSettingsPlaceFile(int i, size_t room, char file[], PetscBool *there);
 
 /*
-   Not collective. What others call an option, or a word that is a value of an option, as it is called here; or NULL. Case
-   does not matter but for E, K and G.
+   Not collective. What others call an option, or a word that is a value of an option, as it is called here; or NULL.
+   Case does not matter but for E, K and G.
 */
 const char *MpmOptionCalledHere(const char name[]);
 const char *MpmWordCalledHere(const char option[], const char word[]);
@@ -125,8 +125,8 @@ PetscErrorCode MpmSettingsCheckOutside(const char task[], const char scene[]);
 PetscErrorCode MpmSettingsCheckUnused(void);
 
 /*
-   Collective. Ends with a message that names the option, its value, where it stands, and why it cannot be: a format of printf
-   and its arguments. MpmSettingsRefuseIf - does so if a condition holds.
+   Collective. Ends with a message that names the option, its value, where it stands, and why it cannot be: a format of
+   printf and its arguments. MpmSettingsRefuseIf - does so if a condition holds.
 */
 PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char why[], ...)
     __attribute__((format(printf, 3, 4)));
@@ -136,8 +136,8 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
   } while (0)
 
 /*
-   MpmSettingsStands       - whether an option was given, and has not lost its sense because a stronger source has given one
-                             of others, whose names have commas between them; not collective
+   MpmSettingsStands       - whether an option was given, and has not lost its sense because a stronger source has given
+                             one of others, whose names have commas between them; not collective
    MpmSettingsRefuseUnless - refuses one that stands so
 
    Collective.
@@ -162,7 +162,10 @@ typedef struct {
   const char *why;
 } MpmRule;
 
-/* Not collective. Whether a step has one stage, without IMPLICIT, so that a particle flows from the state of the step before. */
+/*
+   Not collective. Whether a step has one stage, without IMPLICIT, so that a particle flows from the state of the step
+   before.
+*/
 PetscBool MpmFormulationHasOneStage(const MpmFormulation *f);
 
 /* Not collective. Frees the colliders of a layout. */
@@ -183,11 +186,11 @@ PetscErrorCode MpmSettingsCheckRules(const MpmSettings *settings, const MpmRule 
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
    (MpmSettingsGiven, or a default). Span: two fractions, the first below the second. Ends: two words, or one for both.
-   List: whole numbers with commas between them, at most room. Reals: the same of real numbers. Words: the same of words,
-   as their indices.
+   List: whole numbers with commas between them, at most room. Reals: the same of real numbers. Words: the same of
+   words, as their indices.
 
-   With dim: the values of so many directions, which are one for all or one for each with commas between them. The Ends of
-   several directions have a hyphen between the two words of one: periodic,fixed-free.
+   With dim: the values of so many directions, which are one for all or one for each with commas between them. The Ends
+   of several directions have a hyphen between the two words of one: periodic,fixed-free.
 */
 PetscErrorCode MpmSettingsIntegers(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt64 value[]);
 PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value);
@@ -235,8 +238,8 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
 PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner, const PetscInt *dim, void *object);
 
 /*
-   Collective. Reads mach for each direction, 0 where it is not given. Refuses a drift M k without a short period, and names
-   the nearest Courant number that has one.
+   Collective. Reads mach for each direction, 0 where it is not given. Refuses a drift M k without a short period, and
+   names the nearest Courant number that has one.
 */
 PetscErrorCode MpmSettingsReadMach(const MpmSettings *settings, PetscInt dim, MpmMach *mach);
 PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScene *scene, const MpmMach *mach);
@@ -248,9 +251,9 @@ PetscErrorCode MpmSceneFromNamedText(const char name[], const char yaml[], MpmSc
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request);
 
 /*
-   MpmSettingsCheckTrust - refuses a scene that is merely read and would act: it names a program or a plugin, or files that
-   are not below the current folder or not of its own kind. The option trust_scene, which must stand on the command line,
-   lets it.
+   MpmSettingsCheckTrust - refuses a scene that is merely read and would act: it names a program or a plugin, or files
+   that are not below the current folder or not of its own kind. The option trust_scene, which must stand on the command
+   line, lets it.
 
    Collective. Call it before anything that a scene names is used.
 */
@@ -268,9 +271,9 @@ PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequ
 PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named);
 
 /*
-   MpmSettingsReadProgram - reads which program or plugin takes the place of a scene, how it is probed, and the axes of a map
-   of it: two of its parameters, each with a span lo,hi in the option map_NAME. Whether the code has such parameters is known
-   when it has been started.
+   MpmSettingsReadProgram - reads which program or plugin takes the place of a scene, how it is probed, and the axes of
+   a map of it: two of its parameters, each with a span lo,hi in the option map_NAME. Whether the code has such
+   parameters is known when it has been started.
    MpmSettingsIsSpanOfProgram - whether an option of this name is such a span, if a code is mapped: map_axes names it.
 
    Collective.
@@ -288,17 +291,18 @@ PetscBool MpmSettingsIsOfMap(const char name[]);
    Given       - particles of the file that the option layout names, and Poisson's ratio where it alone has one
    WaveSpeed   - wave speed, whether the scene is in physical units, and the Poisson's ratio of bulk and shear modulus
    Kinematics  - finite deformation or not, and the gravity there
-   Law         - the material and the stretch that a run starts from or a linear scheme is about, or its prestress; the wave
-                 speed in that state
+   Law         - the material and the stretch that a run starts from or a linear scheme is about, or its prestress; the
+                 wave speed in that state
    Grid        - cells, particles in them, time step and drift
    Colliders, Bodies, Shape - rigid bodies; bodies of particles; the shape that particles fill
    PlaceGiven  - puts the particles of a file into the grid, and refuses those outside and options of sites
    Pace        - whether a run chooses its steps, and how large a part of the largest stable one they are
-   CheckFinite - what else finite deformation asks for, with Solution: whether the initial data have an exact one, with its
-                 body force and densities. Prestress: what a prestress asks for, whose particles must stay where they are
+   CheckFinite - what else finite deformation asks for, with Solution: whether the initial data have an exact one, with
+                 its body force and densities. Prestress: what a prestress asks for, whose particles must stay where
+                 they are
    Damping     - damping and viscosity, from the units of the scene to those of a step
-   Initial     - initial data, for which the table must be made; random ones in place of those that nobody asked for and that
-                 have no exact solution
+   Initial     - initial data, for which the table must be made; random ones in place of those that nobody asked for and
+                 that have no exact solution
 
    Collective. The first rank reads a file; all refuse together.
 */

@@ -1,6 +1,6 @@
 /*
-   The bodies of particles of a scene: the option bodies. The particles of a body are those of the lattice of 1 / ppc of a cell whose
-   places are inside, body by body, or those of a file.
+   The bodies of particles of a scene: the option bodies. The particles of a body are those of the lattice of 1 / ppc of
+   a cell whose places are inside, body by body, or those of a file.
 */
 #include "base/memory.h"
 #include "scene/blocks.h"
@@ -12,9 +12,9 @@
 #define ON_SURFACE 1e-9 /* cells: a place nearer to a surface is not inside */
 
 /*
-   A body of particles. place: its shape, or file: its particles; from, end: the sites of its lattice between which it is;
-   ratio: of its density, stiffness and volumes over the scene's; young: the Young's modulus of stiffness 1; velocity: in units of c.
-   material: of its law, and its number among those of the run.
+   A body of particles. place: its shape, or file: its particles; from, end: the sites of its lattice between which it
+   is; ratio: of its density, stiffness and volumes over the scene's; young: the Young's modulus of stiffness 1;
+   velocity: in units of c. material: of its law, and its number among those of the run.
 */
 struct MpmBody_ {
   MpmCollider place;
@@ -268,8 +268,8 @@ static PetscBool IsInside(const MpmCollider *body, PetscInt dim, const PetscReal
 }
 
 /*
-   Takes the particle at x into the layout, unless something else is there: a shape without an end, such as a half space, ends
-   where a collider begins.
+   Takes the particle at x into the layout, unless something else is there: a shape without an end, such as a half
+   space, ends where a collider begins.
 */
 static PetscErrorCode Take(MpmBlockReader *r, PetscInt bodies, const PetscReal x[], PetscBool *taken)
 {
@@ -295,7 +295,10 @@ static PetscErrorCode Take(MpmBlockReader *r, PetscInt bodies, const PetscReal x
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Gives the particle that was taken its properties, in units of one of the scene's material that fills 1 / ppc of a cell. */
+/*
+   Gives the particle that was taken its properties, in units of one of the scene's material that fills 1 / ppc of a
+   cell.
+*/
 static PetscErrorCode Weigh(const MpmBlockReader *r, PetscInt64 at, const PetscReal unit[])
 {
   const MpmBody *of         = &r->bodies[r->n];

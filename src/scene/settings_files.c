@@ -27,7 +27,10 @@ static const char *Ending(const char path[])
   return strrchr(slash ? slash : path, '.');
 }
 
-/* HDF5 under the name of another kind of file would be taken for that kind. XDMF names datasets as FILE:PATH inside XML. */
+/*
+   HDF5 under the name of another kind of file would be taken for that kind. XDMF names datasets as FILE:PATH inside
+   XML.
+*/
 static PetscErrorCode CheckOutput(const MpmSettings *settings, MpmRequest *request)
 {
   const char *const path = request->output;
@@ -118,7 +121,9 @@ static PetscErrorCode CheckWritten(const MpmSettings *settings, const MpmRequest
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The first rank alone looks at the files, so that all ranks refuse the same. Nothing is written before all are known. */
+/*
+   The first rank alone looks at the files, so that all ranks refuse the same. Nothing is written before all are known.
+*/
 PetscErrorCode MpmSettingsReadFiles(const MpmSettings *settings, MpmRequest *request)
 {
   const char *const task = request->task;

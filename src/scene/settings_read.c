@@ -52,7 +52,10 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
 
 #define PART 64 /* characters between two commas */
 
-/* Takes the part of a text before its next comma; false where it is too long. *rest: what follows the comma, NULL: nothing. */
+/*
+   Takes the part of a text before its next comma; false where it is too long. *rest: what follows the comma, NULL:
+   nothing.
+*/
 static PetscBool NextPart(const char **rest, char part[PART])
 {
   const size_t length = strcspn(*rest, ",");

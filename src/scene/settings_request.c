@@ -38,8 +38,8 @@ static PetscBool FillsSpace(const MpmScene *scene)
 }
 
 /*
-   The default answer of critical has a table of steps by layout for lattices at rest with a scheme of the program, whose
-   searches are quick. Of such lattices it says why there is none.
+   The default answer of critical has a table of steps by layout for lattices at rest with a scheme of the program,
+   whose searches are quick. Of such lattices it says why there is none.
 */
 static const char *WhyNoTable(const MpmScheme *scheme)
 {
@@ -122,8 +122,8 @@ static const char *WhyNot(const MpmScene *scene)
 }
 
 /*
-   Refuses a scene without a tangent, and more numbers of a state than PETSC_MAX_INT: of each place there are a cell and a
-   place in the cell.
+   Refuses a scene without a tangent, and more numbers of a state than PETSC_MAX_INT: of each place there are a cell and
+   a place in the cell.
 */
 static PetscErrorCode CheckTangent(const MpmSettings *settings, const MpmScene *scene, const char option[])
 {
@@ -217,7 +217,9 @@ static const char *const spans[] = {"map_courant", "map_drift",       "map_offse
 static const char *const replaced[] = {"courant,dt", "drift,velocity,mach", "offset", "ppc", "poisson",
                                        "",           "mach,velocity,drift"};
 
-/* In more dimensions than one the first of these, drift or mach, still says along which axes the map's goes, and stays. */
+/*
+   In more dimensions than one the first of these, drift or mach, still says along which axes the map's goes, and stays.
+*/
 static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene *scene, PetscInt kind)
 {
   const PetscBool rest =
@@ -542,8 +544,8 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
 }
 
 /*
-   Reads what a task is to do with a matrix. How many directions its lattice has is known when its file is read: one number
-   of phases is for all of them.
+   Reads what a task is to do with a matrix. How many directions its lattice has is known when its file is read: one
+   number of phases is for all of them.
 */
 PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequest *request)
 {

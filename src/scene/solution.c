@@ -8,10 +8,11 @@
    A gas at constant temperature, p = c^2 rho, in one dimension. Particles start at regular places with the density of
    their place, so that F is 1 there (MpmMaterial).
 
-   simple_wave: v = V(x - (v + c) t), rho = exp(v / c), V = A sin(2 pi x / L). It steepens to a shock at t = L / (2 pi A).
+   simple_wave: v = V(x - (v + c) t), rho = exp(v / c), V = A sin(2 pi x / L). It steepens to a shock at t = L / (2 pi
+   A).
 
-   shock_tube: at rest, of density 1 left of the middle and 1/8 right of it. A rarefaction runs to the left and a shock to
-   the right, and between them density rho* and velocity u* satisfy
+   shock_tube: at rest, of density 1 left of the middle and 1/8 right of it. A rarefaction runs to the left and a shock
+   to the right, and between them density rho* and velocity u* satisfy
 
      u* = c ln(1 / rho*) = c (rho* - ratio) / sqrt(rho* ratio),     shock speed c sqrt(rho* / ratio)
 
@@ -187,12 +188,12 @@ static const MpmSolution shock_tube = {.initial   = MPM_INITIAL_SHOCK_TUBE,
    evaluation of explicit time integration schemes for use with the generalized interpolation material point method
    (2008), section 5.2.
 
-   vortex: a ring of radius R = 1 and width w = 1/2 around the middle turns by the angle alpha = A sin(pi t / T) h(r), with
-   h = 1 - 8 s^2 + 16 s^4, s = (r - R) / w, and T = 1. At its edges h and dh/dr are 0, so that the material beyond them,
-   if there is any, is at rest. With e1 and e2 the directions along and across the turned radius, J = 1 and
+   vortex: a ring of radius R = 1 and width w = 1/2 around the middle turns by the angle alpha = A sin(pi t / T) h(r),
+   with h = 1 - 8 s^2 + 16 s^4, s = (r - R) / w, and T = 1. At its edges h and dh/dr are 0, so that the material beyond
+   them, if there is any, is at rest. With e1 and e2 the directions along and across the turned radius, J = 1 and
 
-     P = mu r alpha' (e2 E_r + e1 E_theta)
-     b = [r alpha_tt - mu / rho0 (3 alpha' + r alpha'')] e2 + [mu / rho0 r alpha'^2 - r alpha_t^2] e1
+     P = mu r alpha' (e2 E_r + e1 E_theta) b = [r alpha_tt - mu / rho0 (3 alpha' + r alpha'')] e2 + [mu / rho0 r
+     alpha'^2 - r alpha_t^2] e1
 
    K. Kamojjala, R. Brannon, A. Sadeghirad, J. Guilkey, Verification tests in solid mechanics (2015), section 5.
 */

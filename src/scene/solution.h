@@ -17,8 +17,8 @@ typedef struct {
    least, most - the numbers of dimensions that it exists in
    equations - as text
    density   - of a gas: errors are those of the density, and not of F, and places are not known
-   exact     - the state at time t of the particle that rests at X at time 0 and is at x now. Solutions of solids know it
-               by X, those of gases by x.
+   exact     - the state at time t of the particle that rests at X at time 0 and is at x now. Solutions of solids know
+               it by X, those of gases by x.
    force     - the body force that the solution needs, or NULL
    sizes     - what errors are relative to: of places, velocities, and F or density
    end       - until when it holds
@@ -53,8 +53,8 @@ const MpmSolution *MpmSolutionOf(const MpmScene *scene);
 PetscReal MpmSolutionRegister(const MpmScene *scene, PetscInt r, const PetscReal X[], const PetscReal x[], PetscReal t);
 
 /*S
-   MpmRiemann - the shock tube of a gas at constant temperature, of density 1 on the left and ratio < 1 on the right of the
-   middle. Speeds are in units of the speed of sound.
+   MpmRiemann - the shock tube of a gas at constant temperature, of density 1 on the left and ratio < 1 on the right of
+   the middle. Speeds are in units of the speed of sound.
 
    density, velocity - between the rarefaction and the shock
    shock             - the speed of the shock

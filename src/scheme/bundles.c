@@ -1,8 +1,8 @@
 /*
    The maps of a bundle. The numbers of directions, of nodes, of kinds and of fields are constants in each loop, so that
    the values of a node are one register and the sums stay in registers. Bases of 1 node or of more than 4 have loops
-   that read these numbers from the cloud. Without AVX-512 a bundle has at most four fields: no register holds eight, and
-   GCC would then keep them in memory.
+   that read these numbers from the cloud. Without AVX-512 a bundle has at most four fields: no register holds eight,
+   and GCC would then keep them in memory.
 */
 #include "scheme/bundles.h"
 
@@ -25,8 +25,8 @@ typedef PetscReal Eight __attribute__((vector_size(8 * sizeof(PetscReal)), align
     }
 
 /*
-   First along x, then y, then z. row[k]: of a row of nodes, with kind k along x. plane[0]: of a plane, with phi_ip along
-   x and y; plane[2 k - 1] and plane[2 k]: with kind k along x, along y.
+   First along x, then y, then z. row[k]: of a row of nodes, with kind k along x. plane[0]: of a plane, with phi_ip
+   along x and y; plane[2 k - 1] and plane[2 k]: with kind k along x, along y.
 */
 #define DEFINE_GATHER(Values)                                                                                          \
   INLINE void Gather##Values(const int dim, const int nodes, const int kinds, const MpmCloud *cloud,                   \

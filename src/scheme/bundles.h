@@ -19,9 +19,8 @@
 
 /*
    n particles and their nodes: `nodes` of them in each of dim directions, with `kinds` kinds of weights beside phi_ip.
-   Particle p has its first node at first[p], and nodes further along direction a are at
-   multiples of stride[a]. Its weight of kind k at the d-th node along direction a is weight[a][k][d * MPM_CLOUD + p].
-   Kind 0 is phi_ip.
+   Particle p has its first node at first[p], and nodes further along direction a are at multiples of stride[a]. Its
+   weight of kind k at the d-th node along direction a is weight[a][k][d * MPM_CLOUD + p]. Kind 0 is phi_ip.
 */
 typedef struct {
   PetscInt         n, dim, nodes, kinds, stride[MPM_MAX_DIM], first[MPM_CLOUD];

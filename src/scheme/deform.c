@@ -6,8 +6,8 @@
 
      T = P(A F) F^T = tau(A F) A^-T = tau(A F) cof(A) / J_A
 
-   P is the nominal stress of the particle, the derivative of the stored energy psi by F. So T : L is the rate at which psi(A F)
-   grows with a, and the forces DIV T have a potential. The differential is
+   P is the nominal stress of the particle, the derivative of the stored energy psi by F. So T : L is the rate at which
+   psi(A F) grows with a, and the forces DIV T have a potential. The differential is
 
      dT = dtau(A F) A^-T - T dA^T A^-T,    d(A F) = dA F + A dF,    dA = a dL.
 */
@@ -27,7 +27,9 @@ PetscReal MpmDeterminant(PetscInt dim, const PetscReal F[])
   return dim == 1 ? Determinant(1, F) : dim == 2 ? Determinant(2, F) : Determinant(3, F);
 }
 
-/* Returns the number of particles whose determinant is not positive and finite, in an integer as wide as the numbers. */
+/*
+   Returns the number of particles whose determinant is not positive and finite, in an integer as wide as the numbers.
+*/
 INLINE PetscInt64 Stretch(const int dim, PetscInt n, const PetscReal twice, PetscReal *const F[],
                           const PetscReal *const L[])
 {
@@ -80,8 +82,8 @@ PetscInt MpmStretch(PetscInt dim, PetscInt n, PetscReal twice, PetscReal *const 
 }
 
 /*
-   A particle at the right end of the direction belongs to the cell at its left, as MpmLayoutPlace has it. Returns whether
-   it is between the ends.
+   A particle at the right end of the direction belongs to the cell at its left, as MpmLayoutPlace has it. Returns
+   whether it is between the ends.
 */
 static PetscBool IsInside(PetscInt cells, PetscInt first, PetscInt *cell, PetscReal *xi)
 {
@@ -149,7 +151,10 @@ static void StepOf(PetscInt dim, PetscReal a, PetscInt p, const PetscReal *const
   for (PetscInt c = 0; c < dim * dim; c++) A[c] = a * L[c][p] + (c % (dim + 1) == 0);
 }
 
-/* Fills a block with particles from begin on, and their stress; returns the first whose det(A F) is not positive, which stays at F. */
+/*
+   Fills a block with particles from begin on, and their stress; returns the first whose det(A F) is not positive, which
+   stays at F.
+*/
 static PetscInt Begin(const MpmMaterialNumbers *m, PetscInt dim, PetscInt begin, PetscInt n, PetscReal a,
                       const PetscReal *const L[], const PetscReal *const F[], Ahead *s)
 {

@@ -27,7 +27,8 @@ PetscInt MpmAdvance(const MpmDirection *direction, PetscInt first, PetscInt n, c
    MpmStressAhead - the stress T at a part a of a step with the slopes L, brought back to its start, and
    MpmStressAheadTangent, its differential along dL and dF (NULL: 0).
 
-   Not collective. Returns the first particle whose volume there is not positive and finite, which gets the stress at F, or n.
+   Not collective. Returns the first particle whose volume there is not positive and finite, which gets the stress at F,
+   or n.
 */
 PetscInt MpmStressAhead(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, PetscReal a,
                         const PetscReal *const L[], const PetscReal *const F[], PetscReal *const T[]);

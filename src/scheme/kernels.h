@@ -15,8 +15,8 @@ void MpmBlockPlace(const MpmBasis *basis, PetscInt n, const PetscInt cell[], con
                    const PetscInt wall[2], MpmBlock *block);
 
 /*
-   A map along one direction with weights as MpmWeights sets them. MpmWeightsGather adds a times the sums over a particle's
-   nodes to particle[]; MpmWeightsSpread adds what particles give to node[].
+   A map along one direction with weights as MpmWeights sets them. MpmWeightsGather adds a times the sums over a
+   particle's nodes to particle[]; MpmWeightsSpread adds what particles give to node[].
 
    Not collective.
 */

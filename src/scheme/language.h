@@ -1,6 +1,6 @@
 /*
-   Language: a scheme as text. docs/theory.md, section 3, has the language; a written scheme becomes a formulation, which is
-   the same table as one of src/scheme/formulation.
+   Language: a scheme as text. docs/theory.md, section 3, has the language; a written scheme becomes a formulation,
+   which is the same table as one of src/scheme/formulation.
 
    YAML is the form of the whole, so that it can stand in a scene. A line of the step is one of
 
@@ -50,8 +50,8 @@ typedef struct {
 } MpmWrittenParameter;
 
 /*
-   A transfer: its filter as lines, and the fields that these have besides q and g (language_transfer.c). Without one the
-   text of its name is NULL.
+   A transfer: its filter as lines, and the fields that these have besides q and g (language_transfer.c). Without one
+   the text of its name is NULL.
 */
 typedef struct {
   MpmWrittenText name;
@@ -133,8 +133,8 @@ PetscErrorCode MpmWrittenCompile(const MpmWritten *written, PetscInt nset, const
 PetscErrorCode MpmWrittenFormulationDestroy(MpmFormulation **formulation);
 
 /*
-   MpmWrittenHash - 16 hexadecimal digits that tell the tables of written schemes apart. Names and references of schemes,
-   comments, blanks and the values that parameters are given from outside do not change it.
+   MpmWrittenHash - 16 hexadecimal digits that tell the tables of written schemes apart. Names and references of
+   schemes, comments, blanks and the values that parameters are given from outside do not change it.
 
    Not collective.
 */

@@ -23,7 +23,9 @@ static MpmRank RankOf(const MpmCompiler *c, MpmPlace place, PetscInt field)
 
 /* ---- one operation ---- */
 
-/* Fields of nodes that are combined have the same mirror images, so they and all that they are linked to are a group. */
+/*
+   Fields of nodes that are combined have the same mirror images, so they and all that they are linked to are a group.
+*/
 static void Link(MpmCompiler *c, PetscInt a, PetscInt b)
 {
   const PetscInt from = c->group[a], to = c->group[b];
@@ -165,8 +167,8 @@ static PetscBool ContinuesSum(const MpmCompiler *c, PetscInt dst)
 }
 
 /*
-   The first sum of a step also sums the masses, which all sums are divided by. It is a P2G with the factor 1: one of the
-   line's, or one to a field without a name, which then stands for the term.
+   The first sum of a step also sums the masses, which all sums are divided by. It is a P2G with the factor 1: one of
+   the line's, or one to a field without a name, which then stands for the term.
 */
 static PetscErrorCode BeginMass(MpmCompiler *c, MpmWrittenLine *line)
 {
@@ -354,7 +356,9 @@ static PetscInt TimesOf(MpmOpKind filter)
   return filter == MPM_FILTER ? 3 : filter == MPM_FILTER_AFTER ? 1 : 2;
 }
 
-/* Where the nodes do not hold P2G of the field, the filter may put it there. Later lines may not read what was there. */
+/*
+   Where the nodes do not hold P2G of the field, the filter may put it there. Later lines may not read what was there.
+*/
 static PetscErrorCode Filter(MpmCompiler *c, const MpmWrittenLine *line)
 {
   const char *particle = c->f->particle_fields[line->field], *node = c->f->node_fields[line->other];

@@ -2,7 +2,9 @@
 #pragma once
 #include "scheme/language.h"
 
-/* A polynomial in the Courant number: of[p] multiplies its power p. has[p]: the text has such a term, if only with 0. */
+/*
+   A polynomial in the Courant number: of[p] multiplies its power p. has[p]: the text has such a term, if only with 0.
+*/
 typedef struct {
   PetscReal of[MPM_MOST_POWER + 1];
   PetscBool has[MPM_MOST_POWER + 1];
@@ -69,8 +71,8 @@ PetscErrorCode MpmNumberRead(const MpmWritten *written, const MpmWrittenText *te
 MpmPlace MpmWrittenFindField(const MpmWritten *written, const char name[], PetscInt *field);
 
 /*
-   Not collective. The word of an operation on a field, "" of none; GRAD with a dot, or after STRESS. MpmStatementWord: of IMPOSE and
-   the like. MpmRankNames: of MpmRank.
+   Not collective. The word of an operation on a field, "" of none; GRAD with a dot, or after STRESS. MpmStatementWord:
+   of IMPOSE and the like. MpmRankNames: of MpmRank.
 */
 const char *MpmOperationWord(MpmOpKind kind, PetscBool dot, PetscBool stress);
 const char *MpmStatementWord(MpmOpKind kind);

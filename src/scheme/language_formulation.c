@@ -276,8 +276,8 @@ static PetscBool SameOps(const MpmFormulation *a, const MpmFormulation *b)
 }
 
 /*
-   A name is taken by a formulation of the program, unless the scheme is the same as that. A formulation of the program that
-   a transfer as text is for has no line.
+   A name is taken by a formulation of the program, unless the scheme is the same as that. A formulation of the program
+   that a transfer as text is for has no line.
 */
 static PetscErrorCode CheckName(const MpmCompiler *c)
 {

@@ -82,7 +82,10 @@ PetscErrorCode MpmWrittenLineText(const MpmFormulation *f, const MpmOp *op, size
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The text of the first of n operations. A field of particles that is set to 0 and added to is one line, p = v + G2P a_i. */
+/*
+   The text of the first of n operations. A field of particles that is set to 0 and added to is one line, p = v + G2P
+   a_i.
+*/
 static PetscErrorCode SetText(const MpmFormulation *f, PetscInt n, const MpmOp ops[], size_t room, char text[],
                               PetscInt *used)
 {

@@ -1,8 +1,9 @@
 /*
-   A transfer as text: its filter as lines, which become operations on registers of its own. Each component of a filtered
-   field goes through them by itself, so there are no vectors here, and no DIV, GRAD or LAP.
+   A transfer as text: its filter as lines, which become operations on registers of its own. Each component of a
+   filtered field goes through them by itself, so there are no vectors here, and no DIV, GRAD or LAP.
 
-   q is the particle field that is filtered, and g its P2G on the nodes. Other fields are named under particles and nodes.
+   q is the particle field that is filtered, and g its P2G on the nodes. Other fields are named under particles and
+   nodes.
 */
 #include "scheme/language_compile.h"
 #include "base/text.h"

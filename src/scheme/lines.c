@@ -1,7 +1,7 @@
 /*
-   Rows of nodes to one line, and back; and runs of particles that are alike. The numbers of rows, of lines and of nodes, and the
-   length of a run, are constants in each loop, but for wide bases. So are the weights of runs: a loop has no more than products
-   and sums.
+   Rows of nodes to one line, and back; and runs of particles that are alike. The numbers of rows, of lines and of
+   nodes, and the length of a run, are constants in each loop, but for wide bases. So are the weights of runs: a loop
+   has no more than products and sums.
 */
 #include "scheme/lines.h"
 #if defined(__AVX2__) && !defined(__AVX512F__)
@@ -159,8 +159,8 @@ INLINE void AddTo(PetscReal *place, __m256d a)
 }
 
 /*
-   Gathers to count runs of two particles, four runs at a time, and adds a[t] times the sums to q[t]. The state of the row
-   that may follow is fetched meanwhile: it is the next in memory.
+   Gathers to count runs of two particles, four runs at a time, and adds a[t] times the sums to q[t]. The state of the
+   row that may follow is fetched meanwhile: it is the next in memory.
 */
 INLINE void GatherPairs(const PetscInt nodes, const PetscInt targets, PetscInt count, const PetscReal weight[],
                         const PetscReal a[], PetscReal *const q[], const PetscReal *restrict from)
@@ -267,8 +267,8 @@ INLINE void GatherRuns(const PetscInt length, const PetscInt nodes, const MpmBlo
 }
 
 /*
-   of[i] has what the i-th particles of all runs hold, between zeros. So what a node gets is one sum, and no sum in memory
-   is added to twice.
+   of[i] has what the i-th particles of all runs hold, between zeros. So what a node gets is one sum, and no sum in
+   memory is added to twice.
 */
 INLINE void SpreadRuns(const PetscInt length, const PetscInt nodes, const MpmBlock *b, const MpmRuns *r,
                        const PetscReal *restrict weight, PetscReal a, const PetscReal *restrict particle,

@@ -1,4 +1,7 @@
-/* The ends of a domain, and the mirror images of nodes beyond them; the maps between particles and nodes as rows of numbers. */
+/*
+   The ends of a domain, and the mirror images of nodes beyond them; the maps between particles and nodes as rows of
+   numbers.
+*/
 #include "scheme/maps.h"
 
 const char *const MpmEndNames[]     = {"periodic", "fixed", "fixed_reaction", "free", "symmetry", NULL};

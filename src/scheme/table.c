@@ -312,7 +312,10 @@ static PetscErrorCode Fix(MpmTableBuilder *b, PetscInt first, PetscInt n)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The lines of K = DIV STRESS GRAD of a node field: those of a builder whose stress is scratch, and whose force is image. */
+/*
+   The lines of K = DIV STRESS GRAD of a node field: those of a builder whose stress is scratch, and whose force is
+   image.
+*/
 static PetscErrorCode StiffnessLines(MpmTableBuilder b, PetscInt field, PetscInt stress, PetscInt image)
 {
   const MpmTransfer plain = {.name = b.transfer->name}; /* K is that of the grid, which no transfer has sharpened */
@@ -512,8 +515,8 @@ static PetscBool IsGradOf(const MpmOp *op, PetscInt particle)
 }
 
 /*
-   Where a scratch field begins: what a transfer makes of the nodes that the next lines send to particles comes before it,
-   since scratch lives for one pass over the particles.
+   Where a scratch field begins: what a transfer makes of the nodes that the next lines send to particles comes before
+   it, since scratch lives for one pass over the particles.
 */
 static PetscErrorCode SharpenBefore(MpmTableBuilder *b, PetscInt o)
 {

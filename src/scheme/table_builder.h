@@ -1,6 +1,7 @@
 /*
    What MpmTableCreate needs while it makes a table, and the parts of its work that have files of their own: registers
-   (table_registers.c), walls (table_walls.c), operations of finite deformation (table_finite.c). The rest is in table.c.
+   (table_registers.c), walls (table_walls.c), operations of finite deformation (table_finite.c). The rest is in
+   table.c.
 */
 #pragma once
 #include <mpmstab/table.h>
@@ -13,18 +14,19 @@
    particle, node  - particle[f] and node[n]: the first registers of the formulation's fields. Stresses at finite
                      deformation share some scratch.
    kept            - kept[n]: the node register with the values of node register n from before the wall, or MPM_NONE
-   sharp, sharp_at - sharp[n]: the node register that particles take instead of node register n, as it was when the table
-                     had sharp_at[n] operations
+   sharp, sharp_at - sharp[n]: the node register that particles take instead of node register n, as it was when the
+                     table had sharp_at[n] operations
 
    trial           - the first of the node registers for a velocity that colliders act on, or MPM_NONE
-   lost, lost_by   - the same for the velocity before they did, or what it has lost; and the particle field that is to get
-                     this, MPM_NONE where none is
+   lost, lost_by   - the same for the velocity before they did, or what it has lost; and the particle field that is to
+                     get this, MPM_NONE where none is
 
    At finite deformation besides:
 
    stretched       - stretched[f]: the first register of the stretch that stress f is the stress of
    moved, nmoved   - the node fields whose sum is the velocity that particles move with, and the lines MOVE
-   share, moved_at - the share of each of them, and the line of the formulation after which it is in the register velocity
+   share, moved_at - the share of each of them, and the line of the formulation after which it is in the register
+                     velocity
    nsummed         - the number of them that are in this register
    velocity        - the first of the node registers with the velocity that particles move with, or MPM_NONE
    slope, load, way - the first of the scratch registers with the velocity's slopes in a step, the body force, and the
@@ -34,8 +36,8 @@
    stretching      - the slopes are complete, and the stretch with this first register is to be stretched by them, or
                      MPM_NONE
    staged          - a step has several stages
-   implicit        - the formulation has IMPLICIT. Then a scratch stress is that of the middle of the step, at the part ahead of it
-                     with the velocity in the node registers from start on; its first register is stress
+   implicit        - the formulation has IMPLICIT. Then a scratch stress is that of the middle of the step, at the part
+                     ahead of it with the velocity in the node registers from start on; its first register is stress
    viscous         - the first of the scratch registers of the viscous stress, or MPM_NONE
    rate            - the same of the velocity's slopes that the viscous stress of a material is made of
 S*/
@@ -61,8 +63,8 @@ PetscInt MpmSpaceComponents(const MpmSpace *space, MpmRank rank);
 PetscInt MpmSpaceStress(const MpmSpace *space, PetscInt a, PetscInt b);
 
 /*
-   Not collective. Whether a field is a stress of the middle of an implicit step about a prestress: T = tau A^-T (deform.c) has
-   dim x dim components, and its own part of the prestress.
+   Not collective. Whether a field is a stress of the middle of an implicit step about a prestress: T = tau A^-T
+   (deform.c) has dim x dim components, and its own part of the prestress.
 */
 PetscBool MpmBuilderIsAhead(const MpmTableBuilder *b, PetscInt field);
 
@@ -70,9 +72,9 @@ PetscBool MpmBuilderIsAhead(const MpmTableBuilder *b, PetscInt field);
 PetscInt MpmBuilderComponents(const MpmTableBuilder *b, PetscBool on_nodes, PetscInt field);
 
 /*
-   Not collective. MpmBuilderAddRegisters adds the registers of the state, the scratch that the space needs, and those of
-   the nodes. MpmBuilderAddComponents adds those of a field of the state, whose names end in the directions where there
-   are several: v_x, s_xy. whole: a tensor is not symmetric. MpmBuilderAddState adds one register of the state.
+   Not collective. MpmBuilderAddRegisters adds the registers of the state, the scratch that the space needs, and those
+   of the nodes. MpmBuilderAddComponents adds those of a field of the state, whose names end in the directions where
+   there are several: v_x, s_xy. whole: a tensor is not symmetric. MpmBuilderAddState adds one register of the state.
 */
 PetscErrorCode MpmBuilderAddRegisters(MpmTableBuilder *b);
 PetscErrorCode MpmBuilderAddState(MpmTable *table, const char name[], PetscInt field, PetscInt component);
@@ -87,9 +89,9 @@ PetscErrorCode MpmBuilderImposeWithReaction(MpmTableBuilder *b, PetscInt node, P
 PetscErrorCode MpmBuilderReact(MpmTableBuilder *b, PetscInt dst, PetscInt imposed);
 
 /*
-   Not collective. What colliders do (table_walls.c) at line number o of the formulation, an IMPOSE, and MpmBuilderCollideAgain at one
-   that is a REACT; nothing without colliders. MpmBuilderGiveLost: after it, and after the walls, particles get what the
-   velocity has lost.
+   Not collective. What colliders do (table_walls.c) at line number o of the formulation, an IMPOSE, and
+   MpmBuilderCollideAgain at one that is a REACT; nothing without colliders. MpmBuilderGiveLost: after it, and after the
+   walls, particles get what the velocity has lost.
 */
 PetscErrorCode MpmBuilderCollide(MpmTableBuilder *b, PetscInt o);
 PetscErrorCode MpmBuilderCollideAgain(MpmTableBuilder *b, PetscInt o);
@@ -107,7 +109,8 @@ PetscErrorCode MpmBuilderTerm(MpmTableBuilder *b, const MpmOp *op, PetscInt dst,
                               PetscReal factor, PetscBool accumulates);
 
 /*
-   Damping and viscosity (table_damping.c): what goes before line number o of the formulation, and after it. Not collective.
+   Damping and viscosity (table_damping.c): what goes before line number o of the formulation, and after it. Not
+   collective.
 */
 PetscErrorCode MpmDampingBefore(MpmTableBuilder *b, PetscInt o);
 PetscErrorCode MpmDampingAfter(MpmTableBuilder *b, PetscInt o);
@@ -119,9 +122,10 @@ PetscErrorCode MpmDampingAfter(MpmTableBuilder *b, PetscInt o);
    MpmFiniteAddScratch - the scratch registers
    MpmFinitePlan       - finds out what particles move with
    MpmFiniteSet        - the operations for a stress of a stage that is set to that of the state
-   MpmFiniteDiv, MpmFiniteGrad, MpmFiniteMove - the operations for DIV of a stress, GRAD to a stress, and DRIFT. MpmFiniteMoveTo:
-                         of MOVE_TO
-   MpmFiniteAhead      - the operations for IMPLICIT of a field, whose own table has the acceleration in registers from image on
+   MpmFiniteDiv, MpmFiniteGrad, MpmFiniteMove - the operations for DIV of a stress, GRAD to a stress, and DRIFT.
+                         MpmFiniteMoveTo: of MOVE_TO
+   MpmFiniteAhead      - the operations for IMPLICIT of a field, whose own table has the acceleration in registers from
+                         image on
    MpmFiniteBefore     - what must be done before line number o of the formulation, and MpmFiniteAfter: after it
 */
 PetscErrorCode MpmFiniteAddState(MpmTableBuilder *b, PetscInt field);
@@ -137,7 +141,8 @@ PetscErrorCode MpmFiniteBefore(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteAfter(MpmTableBuilder *b, PetscInt o);
 
 /*
-   MpmTableCheck - refuses (PETSC_ERR_SUP) a table that the interpreters do not support; MpmTableCreate says what that is.
+   MpmTableCheck - refuses (PETSC_ERR_SUP) a table that the interpreters do not support; MpmTableCreate says what that
+                   is.
 
    Not collective.
 */

@@ -8,8 +8,9 @@
      q_p = lambda tr(D) I + 2 mu D,    D the symmetric part of GRAD v_i        viscous stress, scratch
      a_i = - k DIV (s + q) - alpha k v_i
 
-   and, with local damping, a_i -= beta abs(a_i) sign(v_i) of each component after that, with lambda and mu in units of rho c h, and alpha in units of c / h. v_i is the node field that the formulation has set last
-   before, by P2G or from other nodes. So all is explicit, and at the places of the start of the step.
+   and, with local damping, a_i -= beta abs(a_i) sign(v_i) of each component after that, with lambda and mu in units of
+   rho c h, and alpha in units of c / h. v_i is the node field that the formulation has set last before, by P2G or from
+   other nodes. So all is explicit, and at the places of the start of the step.
 
    usf, musl and usavg take their strain from this velocity, too, so that the stress and its viscous part belong to one
    velocity. usl takes the strain of the step before from v_i + a_i.
@@ -44,8 +45,9 @@ static PetscInt VelocityLine(const MpmFormulation *f, PetscInt force)
 }
 
 /*
-   The force whose viscous stress is to be made before a line: that line itself, or where a scratch stress begins the force that
-   it is for. Scratch lives for one pass over the particles, and a transfer may need passes to sharpen the velocity.
+   The force whose viscous stress is to be made before a line: that line itself, or where a scratch stress begins the
+   force that it is for. Scratch lives for one pass over the particles, and a transfer may need passes to sharpen the
+   velocity.
 */
 static PetscInt ForceOf(const MpmFormulation *f, PetscInt o)
 {

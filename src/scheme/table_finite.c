@@ -17,11 +17,11 @@
                           way that they have gone so far, which is kept from one MOVE_TO to the next and to DRIFT
 
      IMPLICIT           a_i is the solution of a_i = - k DIV T, T = P((I + theta L) F) F^T the stress in the middle of the step,
-                        brought back to its start (deform.c). L = k GRAD (v_i + theta a_i). The lines that set the stress of
-                        the middle, and make a force of it, are lines of this system.
+                        brought back to its start (deform.c). L = k GRAD (v_i + theta a_i). The lines that set the
+                        stress of the middle, and make a force of it, are lines of this system.
 
-   tau, L, copies of F and the way that particles go are scratch: they live for one pass over the particles. So L and this
-   way are found next to one another at the end of a step, and F is stretched after that.
+   tau, L, copies of F and the way that particles go are scratch: they live for one pass over the particles. So L and
+   this way are found next to one another at the end of a step, and F is stretched after that.
 
    Stages: a Runge-Kutta stage F + c L F' has the F' of the stage before it, which is no more. (I + c L + (c L)^2 / 2) F
    differs from it by as much as both differ from the solution: such a step has order two in time, as has the motion of
@@ -109,7 +109,10 @@ static PetscInt LastWrite(const MpmTableBuilder *b, PetscInt node, PetscInt firs
   return last;
 }
 
-/* Lines MOVE that follow one another are kept together: after the line on nodes before them, or as soon as all are there. */
+/*
+   Lines MOVE that follow one another are kept together: after the line on nodes before them, or as soon as all are
+   there.
+*/
 static void PlanMove(MpmTableBuilder *b, PetscInt o, MpmOpKind kind)
 {
   const MpmOp   *ops  = b->formulation->ops;
@@ -242,7 +245,10 @@ PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* image = - DIV T of the slopes of a node field, and the body force. The grid's own slopes: no transfer has sharpened them. */
+/*
+   image = - DIV T of the slopes of a node field, and the body force. The grid's own slopes: no transfer has sharpened
+   them.
+*/
 PetscErrorCode MpmFiniteAhead(MpmTableBuilder *b, PetscInt field, PetscInt image)
 {
   static const MpmOp slope = GRAD(0, 0, ONE), div = MINUS_DIV(0, 0, ONE);

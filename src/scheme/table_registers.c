@@ -283,7 +283,10 @@ static PetscErrorCode AddScratch(MpmTableBuilder *b, PetscInt field)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* How far particles have gone in a step, where they move in its middle. It is named as the state is, and taken out of it. */
+/*
+   How far particles have gone in a step, where they move in its middle. It is named as the state is, and taken out of
+   it.
+*/
 static PetscErrorCode AddGone(MpmTableBuilder *b)
 {
   MpmTable *t = b->table;

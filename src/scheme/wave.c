@@ -18,9 +18,9 @@
      gas         u = m A d sin(K.X + phase) cos(omega t),    r = m A (d.n) cos(K.X + phase) sin(omega t),    d = n
      momentum    v as u,    s = (c/speed) (lambda (d.n) I + mu (d n^T + n d^T)) m A cos(K.X + phase) sin(omega t)
 
-   with omega = abs(K) speed, and with damping and viscosity as InTime says. P waves have d = n and speed c, S waves have d across n and speed c sqrt(mu). A Poisson
-   ratio of 1/2 makes lambda 1 and mu 0. Then s is r, and in one dimension the stress of a bar. The scalars u and w are
-   as in one dimension.
+   with omega = abs(K) speed, and with damping and viscosity as InTime says. P waves have d = n and speed c, S waves
+   have d across n and speed c sqrt(mu). A Poisson ratio of 1/2 makes lambda 1 and mu 0. Then s is r, and in one
+   dimension the stress of a bar. The scalars u and w are as in one dimension.
 
    Field MPM_NONE is h times the gradient of u, and MPM_DISPLACEMENT x with x_t = (c/h) u.
 

@@ -85,7 +85,10 @@ static inline Factor Times(const PetscReal a[BLOCK], double complex z)
   return f;
 }
 
-/* dst += factor src, for rows of n numbers: first their real parts, then their imaginary ones. n is a multiple of BLOCK. */
+/*
+   dst += factor src, for rows of n numbers: first their real parts, then their imaginary ones. n is a multiple of
+   BLOCK.
+*/
 static inline void AddRow(PetscInt n, const Factor *f, const PetscReal *restrict src, PetscReal *restrict dst)
 {
   for (PetscInt c = 0; c < n; c += BLOCK)
@@ -173,9 +176,11 @@ static void Invert(PetscInt n, Small K, PetscReal a, Small inverse)
 }
 
 /*
-   IMPLICIT: the vector of a node becomes (1 + a K)^-1 times it, with a number a for each lane. K is a matrix of dim x dim at each phase:
+   IMPLICIT: the vector of a node becomes (1 + a K)^-1 times it, with a number a for each lane. K is a matrix of dim x
+   dim at each phase:
 
-     K_ca = the sum over GRAD of component a to a stress, and DIV of this stress to component c, of their symbols' product
+     K_ca = the sum over GRAD of component a to a stress, and DIV of this stress to component c, of their symbols'
+     product
 */
 static void Implicit(MpmBloch *b, const MpmOp *op, const PetscReal a[])
 {
@@ -411,8 +416,8 @@ double complex MpmBlochPhaseBeyond(const MpmBloch *b, const PetscReal beta[], Pe
 }
 
 /*
-   Sets the registers at the start of a turn. The nodes gave their numbers at the step before, when particles stood as at the
-   last step of a turn, but for the places that they have taken since.
+   Sets the registers at the start of a turn. The nodes gave their numbers at the step before, when particles stood as
+   at the last step of a turn, but for the places that they have taken since.
 */
 static void SpreadTaken(MpmBloch *b, const PetscReal beta[], PetscInt n, const PetscReal courant[])
 {

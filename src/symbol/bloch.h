@@ -11,10 +11,11 @@ typedef struct MpmBlochGained_ MpmBlochGained; /* symbol/bloch_growth.h */
 /* ---- what particles take from nodes (bloch_create.c) ---- */
 
 /*
-   What particles take from nodes at the end of a step. A particle register that is set to 0 and then only gets values from
-   nodes holds sums of W y, with few numbers y of a node. pic, xpic, apic and tpic renew velocities so. Under drift the
-   state after a step is then known by these y and the registers that are not taken, and so is that of a turn. With eight
-   particles in a cell, apic in three dimensions has 3 numbers and 8 stresses, 51 unknowns where the registers hold 144.
+   What particles take from nodes at the end of a step. A particle register that is set to 0 and then only gets values
+   from nodes holds sums of W y, with few numbers y of a node. pic, xpic, apic and tpic renew velocities so. Under drift
+   the state after a step is then known by these y and the registers that are not taken, and so is that of a turn. With
+   eight particles in a cell, apic in three dimensions has 3 numbers and 8 stresses, 51 unknowns where the registers
+   hold 144.
 
    With E, which makes the registers of y and the others, and K, which is the turn as far as y, the turn is E K. Its
    eigenvalues other than 0 are those of K E, the smaller matrix.
@@ -51,8 +52,8 @@ typedef struct {
 } MpmTaken;
 
 /*
-   MpmTakenFind - finds it for a table, or NULL where no register is taken, node fields are too many, or the table has no
-   plan of its nodal operator. gains: the same of all registers of a table whose particles only gain, so that a step
+   MpmTakenFind - finds it for a table, or NULL where no register is taken, node fields are too many, or the table has
+   no plan of its nodal operator. gains: the same of all registers of a table whose particles only gain, so that a step
    multiplies none; NULL for other tables. No register counts as taken then.
 
    Not collective. Free it with PetscFree.
@@ -74,15 +75,15 @@ PetscErrorCode MpmTakenFind(const MpmTable *table, PetscBool gains, MpmTaken **t
    lanes, and an operation has a factor for each lane.
 
    fields, ppc, size - the number of fields of the state, of particles in a cell, and size = fields x ppc
-   lanes, most  - the number of lanes in the present step, 1 or MPM_BLOCH_LANES; and the most that are worthwhile, 1 where
-                  rows are long
+   lanes, most  - the number of lanes in the present step, 1 or MPM_BLOCH_LANES; and the most that are worthwhile, 1
+                  where rows are long
    width        - of a row in the present step: the number of columns times lanes, filled up with zeros
    period       - the number of steps in a period
    turn         - after so many steps the particles have changed places with one another: particle j has the place that
                   place[j] had, beyond[j] cells farther. A period is a whole number of turns. A turn is shorter where
                   ppc and the denominator of the drift have a common divisor.
-   taken, turn_size - what particles take from nodes, and the order of the matrix of a turn. NULL and size for particles at
-                  rest, and where the registers hold no more
+   taken, turn_size - what particles take from nodes, and the order of the matrix of a turn. NULL and size for particles
+                  at rest, and where the registers hold no more
    used         - used[kind]: the table needs this map
    ties         - the weights along each direction
    particle, nodes - the registers
@@ -127,15 +128,15 @@ PetscErrorCode MpmBlochDestroy(MpmBloch *bloch);
 /*
    MpmBlochMatrices - the amplification matrices of a phase at n Courant numbers, one after another, each size x size by
    columns and divided by 2^exponent. Each is the same to the last bit as alone. beta has one number for each direction.
-   With noisy, every number is moved by about its rounding after each step. The difference of two such matrices then shows
-   the effect of rounding, with any growth over the rest of the period.
+   With noisy, every number is moved by about its rounding after each step. The difference of two such matrices then
+   shows the effect of rounding, with any growth over the rest of the period.
 
-   MpmBlochTurns - the matrices of a turn. With R, which gives what was a particle's to the one whose place it has taken,
-   every turn is the same step of R q. So the matrix of a period is e^(i beta.m) times a power of this one, m the cells that
-   particles move in a period, and growth per step is the same. With two particles a cell and a drift of 1/8 a turn takes
-   four steps, and a period eight. They are turn_size x turn_size. Where particles take values from nodes (MpmTaken) they
-   are of the smaller matrix: first the y, then what is left of each particle. Its eigenvalues are those of the turn, but
-   for zeros.
+   MpmBlochTurns - the matrices of a turn. With R, which gives what was a particle's to the one whose place it has
+   taken, every turn is the same step of R q. So the matrix of a period is e^(i beta.m) times a power of this one, m the
+   cells that particles move in a period, and growth per step is the same. With two particles a cell and a drift of 1/8
+   a turn takes four steps, and a period eight. They are turn_size x turn_size. Where particles take values from nodes
+   (MpmTaken) they are of the smaller matrix: first the y, then what is left of each particle. Its eigenvalues are those
+   of the turn, but for zeros.
 
    Not collective.
 */
@@ -166,9 +167,9 @@ PetscErrorCode MpmBlochStep(MpmBloch *bloch, PetscReal courant, const PetscReal 
                             double complex state[]);
 
 /*
-   MpmBlochGrowths - the growth per step of a phase at n Courant numbers: the largest abs of the amplification factors of
-   the nodal operator and of the null space of P2G, where that is known, and else of a turn; and growth without the null
-   space, NaN where it is not known.
+   MpmBlochGrowths - the growth per step of a phase at n Courant numbers: the largest abs of the amplification factors
+   of the nodal operator and of the null space of P2G, where that is known, and else of a turn; and growth without the
+   null space, NaN where it is not known.
 
    Not collective. eigen has the order bloch->turn_size and is overwritten.
 */
@@ -201,11 +202,11 @@ static inline PetscReal *MpmBlochRow(const MpmBloch *b, PetscInt field)
 
    MpmBlochSetStep - sets what the maps of a step are, and the nodal mass.
 
-   MpmBlochRunStep - a step of a period. taken: what nodes give to the registers that are taken is added to numbers, rows of
-   2 x width; NULL: it is not noted.
+   MpmBlochRunStep - a step of a period. taken: what nodes give to the registers that are taken is added to numbers,
+   rows of 2 x width; NULL: it is not noted.
 
-   MpmBlochPhaseBeyond - the phase factor of what goes from particle j to the one whose place it has taken, for the cells in
-   between.
+   MpmBlochPhaseBeyond - the phase factor of what goes from particle j to the one whose place it has taken, for the
+   cells in between.
 
    Not collective.
 */

@@ -95,8 +95,8 @@ PetscErrorCode MpmTakenFind(const MpmTable *table, PetscBool gains, MpmTaken **t
 /* ---- the mode ---- */
 
 /*
-   Finds the kinds whose weights the maps of a scheme have along some direction. Every table has a P2G, whose weights give
-   the masses. SOLVE needs G2P too.
+   Finds the kinds whose weights the maps of a scheme have along some direction. Every table has a P2G, whose weights
+   give the masses. SOLVE needs G2P too.
 */
 static void FindUsed(const MpmTable *t, PetscBool used[])
 {

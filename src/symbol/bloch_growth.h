@@ -1,14 +1,14 @@
 /*
-   Growth of one Bloch mode by less than the matrix of a turn: at rest by the nodal operator, and where particles only gain from
-   nodes by the vectors that they gain.
+   Growth of one Bloch mode by less than the matrix of a turn: at rest by the nodal operator, and where particles only
+   gain from nodes by the vectors that they gain.
 */
 #pragma once
 #include "operator/nodal.h"
 #include "symbol/bloch.h"
 
 /*
-   The amplification factors of particles at rest without their null space: those of the nodal operator of one Bloch mode.
-   In two dimensions it has four numbers for a vector and a stress, whatever the number of particles in a cell is.
+   The amplification factors of particles at rest without their null space: those of the nodal operator of one Bloch
+   mode. In two dimensions it has four numbers for a vector and a stress, whatever the number of particles in a cell is.
 */
 
 /*S
@@ -37,11 +37,11 @@ void MpmBlochCountNull(const MpmBloch *bloch, PetscInt *rest, PetscInt *all, Pet
 
 /*
    MpmBlochNodalCreate - NULL where it does not apply: one dimension, whose matrices are small, particles that drift,
-   tables without a plan, and layouts with so few particles that the nodes have more numbers than those (one particle with
-   a pressure gives its nodes a vector).
+   tables without a plan, and layouts with so few particles that the nodes have more numbers than those (one particle
+   with a pressure gives its nodes a vector).
 
-   MpmBlochNodalFactors - the amplification factors of a phase but for the null space, plan->nimages of them. ok is false
-   where the QR steps have not converged or the numbers leave the range of doubles, and nothing is then set.
+   MpmBlochNodalFactors - the amplification factors of a phase but for the null space, plan->nimages of them. ok is
+   false where the QR steps have not converged or the numbers leave the range of doubles, and nothing is then set.
 
    MpmBlochNodalGrowths - growth per step of a phase, with the null space and without it, which is NaN where it is not
    known; ok as above.
@@ -56,11 +56,11 @@ PetscErrorCode MpmBlochNodalGrowths(MpmBlochNodal *nodal, MpmBloch *bloch, Petsc
                                     PetscReal *growth, PetscReal *without_null, PetscBool *ok);
 
 /*
-   The growth of particles that move and only gain from nodes, as with flip: a register is never multiplied, and all that is
-   added to it comes from nodes. With y the numbers that nodes give in the steps of a turn, and U y what particles gain,
-   the turn takes x to P (x + U y(x)). P puts particles in their new places. A few vectors v of the state that hold all
-   U y and what P makes of them are enough: a turn takes their sums to such sums, and all other amplification factors
-   have modulus 1. There are two sets of them, and the smaller one is taken.
+   The growth of particles that move and only gain from nodes, as with flip: a register is never multiplied, and all
+   that is added to it comes from nodes. With y the numbers that nodes give in the steps of a turn, and U y what
+   particles gain, the turn takes x to P (x + U y(x)). P puts particles in their new places. A few vectors v of the
+   state that hold all U y and what P makes of them are enough: a turn takes their sums to such sums, and all other
+   amplification factors have modulus 1. There are two sets of them, and the smaller one is taken.
 
    Orbits: the P^l U, l < q. P^q is a number mu of modulus 1, since q turns take each particle to its own place some
    cells farther. In three dimensions usl with eight particles in a cell and a drift of 1/8 along the diagonal has 48 of
@@ -108,7 +108,8 @@ struct MpmBlochGained_ {
 };
 
 /*
-   MpmBlochGainedCreate - NULL where particles do not only gain, or the matrix would be no smaller than that of the registers.
+   MpmBlochGainedCreate - NULL where particles do not only gain, or the matrix would be no smaller than that of the
+                          registers.
 
    Not collective. drift has one fraction for each direction.
 */

@@ -35,8 +35,8 @@ PetscErrorCode MpmBlocksCombine(PetscInt n, const MpmBlocks blocks[], const Pets
 PetscErrorCode MpmBlocksSource(const MpmBlocks *blocks, const char name[], MpmSource *source);
 
 /*S
-   MpmBlocksSteps - the operators of n steps that follow one another, of one lattice. MpmBlocksSourceOfSteps: their product as a
-   source, which they must outlive. Not collective.
+   MpmBlocksSteps - the operators of n steps that follow one another, of one lattice. MpmBlocksSourceOfSteps: their
+   product as a source, which they must outlive. Not collective.
 S*/
 typedef struct {
   PetscInt         n;
@@ -49,11 +49,11 @@ PetscErrorCode MpmBlocksSourceOfSteps(const MpmBlocksSteps *steps, const char na
 
      A_d = 1 / n^dim  sum over beta of G(beta) e^(i beta.d).
 
-   Collective. n is doubled until the blocks give the matrices at two other phases, so no reach has to be known. Blocks of
-   rounding alone are left out.
+   Collective. n is doubled until the blocks give the matrices at two other phases, so no reach has to be known. Blocks
+   of rounding alone are left out.
 
-   Errors: refuses (PETSC_ERR_USER_INPUT) numbers that leave the range of doubles, and a reach that is too far; option: the
-   option that asked for blocks, for the message.
+   Errors: refuses (PETSC_ERR_USER_INPUT) numbers that leave the range of doubles, and a reach that is too far; option:
+   the option that asked for blocks, for the message.
 */
 PetscErrorCode MpmBlocksFromSource(MPI_Comm comm, const MpmSource *source, const char option[], MpmBlocks *blocks);
 

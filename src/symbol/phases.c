@@ -1,6 +1,6 @@
 /*
-   Phases with the same amplification factors, and the one of them that is computed. docs/theory.md, section 4, says why these
-   symmetries hold.
+   Phases with the same amplification factors, and the one of them that is computed. docs/theory.md, section 4, says why
+   these symmetries hold.
 */
 #include "symbol/source.h"
 #include "base/text.h"

@@ -122,8 +122,8 @@ static Along AlongOf(const MpmPredictor *p, PetscInt axis, PetscReal beta)
 }
 
 /*
-   With an affine part that is not a fit, theta is a real number where the particles of a cell are their own mirror image. A
-   sum of few waves that is real at three phases is real at all.
+   With an affine part that is not a fit, theta is a real number where the particles of a cell are their own mirror
+   image. A sum of few waves that is real at three phases is real at all.
 */
 static PetscBool ThetaIsReal(const MpmPredictor *p)
 {
@@ -248,8 +248,8 @@ static double complex Curves(const MpmPredictor *p, const Along along[], PetscIn
 }
 
 /*
-   The eigenvalues of the symbol of DIV STRESS GRAD + sigma0 CURVE G2P, the forces of strains and of displacements with a
-   prestress. Source: docs/theory.md, section 9.
+   The eigenvalues of the symbol of DIV STRESS GRAD + sigma0 CURVE G2P, the forces of strains and of displacements with
+   a prestress. Source: docs/theory.md, section 9.
 */
 static PetscBool Prestressed(const MpmPredictor *p, const Along along[], double complex value[MPM_MAX_DIM])
 {

@@ -18,7 +18,8 @@ const char *MpmPredictionText(const MpmScheme *scheme);
    problems          - a step of a phase splits into so many problems of two amplification factors each: with a stress,
                        one for each direction of motion that particles resist; else 1
    e                 - C1 - C2 of the slides' weights
-   ties, at          - the weights of the maps along each direction, at the steps of a drift; the step that symbols are of
+   ties, at          - the weights of the maps along each direction, at the steps of a drift; the step that symbols are
+                       of
 S*/
 typedef struct {
   const MpmLayout *layout;
@@ -35,8 +36,8 @@ PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *sche
                                   MpmPredictor *predictor);
 
 /*
-   Not collective. The same of a frozen grid: one whose particles have moved by so many steps of a drift (at), which is at rest for
-   the closed forms.
+   Not collective. The same of a frozen grid: one whose particles have moved by so many steps of a drift (at), which is
+   at rest for the closed forms.
 */
 PetscErrorCode MpmPredictorCreateFrozen(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction drift[],
                                         MpmPredictor *predictor);
@@ -52,9 +53,10 @@ PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
 
      K = lambda M + mu (tr M I + conj M),    M_ab = the symbol of DIV_a GRAD_b,
 
-   and its kappa is the eigenvalue. Each eigenvector that no particle resists (a fluid has many) leaves one amplification
-   factor besides, the filter symbol. So do the motions of a gas without divergence. With a prestress, in more dimensions, a
-   problem belongs to an eigenvector of DIV STRESS GRAD + sigma0 CURVE G2P; its chi is the eigenvalue, and kappa 0.
+   and its kappa is the eigenvalue. Each eigenvector that no particle resists (a fluid has many) leaves one
+   amplification factor besides, the filter symbol. So do the motions of a gas without divergence. With a prestress, in
+   more dimensions, a problem belongs to an eigenvector of DIV STRESS GRAD + sigma0 CURVE G2P; its chi is the
+   eigenvalue, and kappa 0.
 */
 PetscInt MpmPredictorSymbols(const MpmPredictor *predictor, const PetscReal beta[], MpmCellSymbols cell[MPM_MAX_DIM]);
 
@@ -67,8 +69,8 @@ void MpmPredictorPolarisation(const MpmPredictor *predictor, const PetscReal bet
                               double complex vector[]);
 
 /*
-   Not collective. abs(G) at a Courant number and a phase, as the slides print it and corrected; NaN where undefined. The
-   corrected one is the largest of the predictor's problems.
+   Not collective. abs(G) at a Courant number and a phase, as the slides print it and corrected; NaN where undefined.
+   The corrected one is the largest of the predictor's problems.
 */
 PetscReal MpmPredictorPublished(const MpmPredictor *predictor, PetscReal courant, const PetscReal beta[]);
 PetscReal MpmPredictorCorrected(const MpmPredictor *predictor, PetscReal courant, const PetscReal beta[]);
@@ -88,8 +90,8 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions);
 
 /*S
    MpmComparison - the largest distance over the phases between abs(G) by a formula and the growth by the symbol without
-   the null space of P2G (without_null of MpmSymbol), and the phase where it is. NaN: there is nothing to compare. The slides have one
-   dimension. allowed: the largest distance that may come from rounding, relative to growth.
+   the null space of P2G (without_null of MpmSymbol), and the phase where it is. NaN: there is nothing to compare. The
+   slides have one dimension. allowed: the largest distance that may come from rounding, relative to growth.
 */
 typedef struct {
   PetscReal published, published_beta, corrected, corrected_beta[MPM_MAX_DIM], allowed;

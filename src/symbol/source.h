@@ -17,8 +17,8 @@ typedef PetscErrorCode (*MpmSourceMatrices)(void *context, PetscInt n, const Pet
                                             PetscBool noisy, double complex G[], PetscInt exponent[]);
 
 /*
-   Computes the growth per step of a phase in all cases, and that without the null space of P2G where the source knows of
-   it, by a shorter way than the eigenvalues of its matrix. The two have the same growth.
+   Computes the growth per step of a phase in all cases, and that without the null space of P2G where the source knows
+   of it, by a shorter way than the eigenvalues of its matrix. The two have the same growth.
 
    Not collective.
 */
@@ -26,8 +26,8 @@ typedef PetscErrorCode (*MpmSourceGrowths)(void *context, const PetscReal beta[]
                                            PetscReal without_null[]);
 
 /*S
-   MpmSource - where the matrices of a symbol come from, or those of several symbols, one for each *case* of the source: a
-   table has a case for each Courant number.
+   MpmSource - where the matrices of a symbol come from, or those of several symbols, one for each *case* of the source:
+   a table has a case for each Courant number.
 
    dim, size    - the number of directions, and the order of a matrix
    period       - the number of steps that a matrix covers
@@ -37,8 +37,8 @@ typedef PetscErrorCode (*MpmSourceGrowths)(void *context, const PetscReal beta[]
    has_noise    - whether matrices knows how rounding goes through the steps of a period
    reflects, alike - the symmetries, as MpmSymbol has them; alike[a] is at most a
    null_rest, null_all, null_factor - the amplification factors of the null space of P2G, which is particle data that no
-                  node feels: null_rest of them are 1, the others of null_all are null_factor. null_all is MPM_NONE where
-                  this is not known.
+                  node feels: null_rest of them are 1, the others of null_all are null_factor. null_all is MPM_NONE
+                  where this is not known.
    name         - of what determines the size, for messages
 S*/
 typedef struct {
@@ -89,7 +89,10 @@ typedef struct {
 PetscErrorCode MpmSymbolLeading(MPI_Comm comm, const MpmSymbol *symbol, PetscInt exponent, PetscInt n,
                                 MpmSymbolFactor best[]);
 
-/* ---- the phases of a symbol that have to be computed: one of each class that the symmetries of the layout make (phases.c) ---- */
+/*
+   ---- the phases of a symbol that have to be computed: one of each class that the symmetries of the layout make
+   (phases.c) ----
+*/
 
 /*
    MpmPhasesFind - sets alike and reflects: the symmetries of the source that hold at these numbers of phases.

@@ -1,6 +1,6 @@
 /*
-   Computes the eigenvalues of a source's matrix at each phase, and the largest of all. Phases are spread over the ranks,
-   and the functions at the end of this file gather the results.
+   Computes the eigenvalues of a source's matrix at each phase, and the largest of all. Phases are spread over the
+   ranks, and the functions at the end of this file gather the results.
 */
 #include "base/memory.h"
 #include "base/progress.h"
@@ -92,9 +92,9 @@ static PetscReal Square(double complex z)
 }
 
 /*
-   An estimate of the rounding error of one of the matrices, in the Frobenius norm. Over a period of several steps, modes
-   may grow by many digits on the way and shrink again. So there the error is the difference to a matrix whose steps are
-   disturbed by rounding (see source.h).
+   An estimate of the rounding error of one of the matrices, in the Frobenius norm. Over a period of several steps,
+   modes may grow by many digits on the way and shrink again. So there the error is the difference to a matrix whose
+   steps are disturbed by rounding (see source.h).
 */
 static PetscReal Rounding(const Reader *r, PetscInt k)
 {
@@ -256,8 +256,9 @@ static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s[
 }
 
 /*
-   Finds the growth of one phase in n cases, the condition number of its amplification factor, and from it the error that
-   rounding makes. n is at most as many as the source takes together; r->exponent has the exponents of the matrices.
+   Finds the growth of one phase in n cases, the condition number of its amplification factor, and from it the error
+   that rounding makes. n is at most as many as the source takes together; r->exponent has the exponents of the
+   matrices.
 */
 static PetscErrorCode LookAt(Reader *r, PetscInt n, const PetscInt which[], const PetscReal beta[],
                              MpmSourceGrowth at[])
@@ -295,7 +296,10 @@ static PetscErrorCode FindLargest(MPI_Comm comm, MpmSymbol *s, PetscInt *class)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the largest growths and the condition numbers of their amplification factors: cases with the same phase together. */
+/*
+   Finds the largest growths and the condition numbers of their amplification factors: cases with the same phase
+   together.
+*/
 static PetscErrorCode FindLargests(MPI_Comm comm, Reader *r, MpmSymbol *s[])
 {
   const PetscInt cases = r->source->cases;
@@ -466,7 +470,9 @@ PetscErrorCode MpmSymbolGatherFactors(MPI_Comm comm, const MpmSymbol *s, PetscIn
   PetscCall(Parts(comm, s, width, &counts, &begins));
   PetscCallMPI(
       MPI_Allgatherv(scaled, (PetscMPIInt)(width * s->count), MPIU_REAL, *factors, counts, begins, MPIU_REAL, comm));
-  /* a phase has no smaller number than its class, so that from the last one on a phase takes the place of a class read */
+  /*
+     a phase has no smaller number than its class, so that from the last one on a phase takes the place of a class read
+  */
   for (PetscInt phase = s->all - 1; phase >= 0; phase--) {
     PetscBool      conjugate;
     const PetscInt i = MpmSymbolClass(s, phase, &conjugate);

@@ -1,6 +1,6 @@
 /*
-   The symbol of a table on a uniform layout: which layouts have one, and the table, applied to one Bloch mode, as a source
-   of amplification matrices.
+   The symbol of a table on a uniform layout: which layouts have one, and the table, applied to one Bloch mode, as a
+   source of amplification matrices.
 */
 #include "scene/layout.h"
 #include "symbol/bloch_growth.h"
@@ -10,7 +10,10 @@
 
 #define MOST_SIZE 1536 /* the largest order of a matrix with all fields that a scheme may have */
 
-/* The most particles in a cell: with fields for a vector, a stress and an affine part, its block is as large as allowed. */
+/*
+   The most particles in a cell: with fields for a vector, a stress and an affine part, its block is as large as
+   allowed.
+*/
 static PetscInt MostPpc(PetscInt dim)
 {
   return MOST_SIZE / (dim + dim * (dim + 1) / 2 + dim * dim);

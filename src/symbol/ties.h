@@ -38,7 +38,9 @@ PetscErrorCode MpmTiesDestroy(MpmTies *ties);
 /* Not collective. The phase factor of each node of the particles: wave[i] = e^(i beta (lowest + i)), for i < seen. */
 void MpmTiesWave(const MpmTies *ties, PetscReal beta, double complex wave[MPM_MOST_SEEN]);
 
-/* Not collective. The symbol of a map at particle j and a step: sum_d row_d e^(i beta d), with the wave of MpmTiesWave. */
+/*
+   Not collective. The symbol of a map at particle j and a step: sum_d row_d e^(i beta d), with the wave of MpmTiesWave.
+*/
 static inline double complex MpmTie(const MpmTies *ties, PetscInt step, MpmOpKind kind, PetscInt j,
                                     const double complex wave[])
 {

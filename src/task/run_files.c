@@ -188,7 +188,9 @@ static PetscErrorCode Keep(Files *files, const MpmRun *run, const MpmMarch *marc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether output is due: at the first step and the last, and every so many steps, or when an interval of time is over. */
+/*
+   Whether output is due: at the first step and the last, and every so many steps, or when an interval of time is over.
+*/
 static PetscBool IsDue(Files *files, const MpmRun *run, const MpmMarch *march)
 {
   const MpmRequest *request = files->request;
@@ -233,8 +235,8 @@ static PetscErrorCode End(void *context, const MpmRun *run, MpmMarch *march)
 
 /*
    Writes the state of the last whole step before a particle failed. That step is marched once more, from the last
-   checkpoint or from the start, so that a run keeps nothing for the case that it fails. Perturbations have been followed
-   already.
+   checkpoint or from the start, so that a run keeps nothing for the case that it fails. Perturbations have been
+   followed already.
 */
 static PetscErrorCode KeepLastWhole(const Files *files, PetscReal started, MpmRun *failed)
 {

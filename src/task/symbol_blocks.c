@@ -1,4 +1,7 @@
-/* The task symbol for blocks from a file, or of a code that is probed: growth at equally spaced phases, and between them where it is largest. */
+/*
+   The task symbol for blocks from a file, or of a code that is probed: growth at equally spaced phases, and between
+   them where it is largest.
+*/
 #include "io/datafile.h"
 #include "io/matrix_file.h"
 #include "task/task.h"
@@ -11,9 +14,10 @@
 #define GAINS 1e-12 /* relative; growth between phases that is larger by less is rounding */
 
 /*S
-   Answer - the symbol of blocks, the phase of largest growth at its phases or between them, and the verdict. program, and
-   other, which are the blocks with another size of perturbations: only of a code that is probed. compare: only if asked for.
-   certificates: of a file. motion: of a program that is set to the places of a drift; n is 0 where it is not.
+   Answer - the symbol of blocks, the phase of largest growth at its phases or between them, and the verdict. program,
+   and other, which are the blocks with another size of perturbations: only of a code that is probed. compare: only if
+   asked for. certificates: of a file. motion: of a program that is set to the places of a drift; n is 0 where it is
+   not.
 S*/
 typedef struct {
   MpmProgram        program;

@@ -17,8 +17,8 @@ typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *
                                        PetscInt *missed);
 
 /*S
-   MpmTask - one task. example is a command that anybody can run. work is what it does on a scene. A task that has no scene
-   has words instead, which takes the rest of the command line: usage says what this may be.
+   MpmTask - one task. example is a command that anybody can run. work is what it does on a scene. A task that has no
+   scene has words instead, which takes the rest of the command line: usage says what this may be.
 S*/
 typedef struct {
   const char  *name, *summary, *example;
@@ -38,9 +38,9 @@ extern const MpmTask MpmTasks[];
 PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscReal started, int *status);
 
 /*
-   Collective. MpmPrintUsage describes the program in ten lines, and MpmPrintHelp a task: an example, and the options that
-   it reads. MpmPrintHelp refuses a name that is no task's. MpmPrintVersion prints name and version. MpmTaskNames gives
-   the names of all tasks as a text for people.
+   Collective. MpmPrintUsage describes the program in ten lines, and MpmPrintHelp a task: an example, and the options
+   that it reads. MpmPrintHelp refuses a name that is no task's. MpmPrintVersion prints name and version. MpmTaskNames
+   gives the names of all tasks as a text for people.
 */
 void           MpmPrintUsage(void);
 void           MpmPrintVersion(void);
@@ -62,10 +62,10 @@ PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started
 PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, PetscInt *missed);
 
 /*
-   MpmSpectrumReport - the part of a report on a spectrum that comes after its heading. spectrum: of the bulk, or NULL. all:
-   of the neighbourhoods, or NULL where there is the bulk alone.
-   MpmSpectrumWriteFiles - writes eigenvalues, modes, the symbol's curves and transient growth as HDF5, and eigenvalues as
-   CSV, where the request names such files.
+   MpmSpectrumReport - the part of a report on a spectrum that comes after its heading. spectrum: of the bulk, or NULL.
+   all: of the neighbourhoods, or NULL where there is the bulk alone.
+   MpmSpectrumWriteFiles - writes eigenvalues, modes, the symbol's curves and transient growth as HDF5, and eigenvalues
+   as CSV, where the request names such files.
 
    Collective.
 */
@@ -84,15 +84,15 @@ PetscErrorCode MpmExpectNumber(const MpmExpect *expect, MpmExpected which, Petsc
 /*
    MpmRunFilesCreate - marches a scene, reads and writes the files that it names, and measures.
 
-   Collective on PETSC_COMM_WORLD. The files that it starts from must have been checked (CheckStart in tasks.c). A run that a
-   signal has stopped (run->stopped) leaves its checkpoint and no other file. started: see MpmRunCreate.
+   Collective on PETSC_COMM_WORLD. The files that it starts from must have been checked (CheckStart in tasks.c). A run
+   that a signal has stopped (run->stopped) leaves its checkpoint and no other file. started: see MpmRunCreate.
 */
 PetscErrorCode MpmRunFilesCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started, MpmRun **run);
 
 /*
    MpmSymbolWrite - writes curves over all phases, in the order of their numbers: /symbol/beta (phases x dim),
-   /symbol/growth, /symbol/published and /symbol/corrected, and where the amplification factors are kept, /symbol/factors
-   (phases x 2 size: real and imaginary part of each amplification factor in turn).
+   /symbol/growth, /symbol/published and /symbol/corrected, and where the amplification factors are kept,
+   /symbol/factors (phases x 2 size: real and imaginary part of each amplification factor in turn).
 
    Collective. A number is NaN where a formula does not cover the phase. predictor NULL: there are no formulas.
 */
@@ -121,8 +121,8 @@ PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *symbol, const MpmPredictor *pr
 int MpmWordsRead(int *argc, char ***argv);
 
 /*
-   MpmWordsCheckViewers - returns whether no option of PETSc's, such as -log_view :FILE, names the file of another word: the
-   scene, or a file that is read or written. Otherwise the first rank prints which one does.
+   MpmWordsCheckViewers - returns whether no option of PETSc's, such as -log_view :FILE, names the file of another word:
+   the scene, or a file that is read or written. Otherwise the first rank prints which one does.
 
    Not collective; call it before PetscInitialize, which empties such a file.
 */

@@ -1,6 +1,7 @@
 /*
-   The task list: mpmstab list [formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|scope|codes];
-   and what is installed beside the program, made from its lists of tasks and options.
+   The task list: mpmstab list [formulation [NAME]|basis|transfer [NAME
+   [NUMBER]]|boundary|layout|options|versions|scope|codes]; and what is installed beside the program, made from its
+   lists of tasks and options.
 */
 #include "base/suggest.h"
 #include "report/report.h"
@@ -165,8 +166,8 @@ static void PrintManual(void)
 }
 
 /*
-   A JSON schema of scenes, made from the fields, for editors that complete and check YAML: keys, what their values may be,
-   and what they mean.
+   A JSON schema of scenes, made from the fields, for editors that complete and check YAML: keys, what their values may
+   be, and what they mean.
 */
 
 /* A new object of a type. */

@@ -1,6 +1,6 @@
 /*
-   The task map: mpmstab map [SCENE.yaml | -program COMMAND | -plugin FILE] [-option value]... A stability map as a picture of
-   letters, and as JSON, CSV and HDF5.
+   The task map: mpmstab map [SCENE.yaml | -program COMMAND | -plugin FILE] [-option value]... A stability map as a
+   picture of letters, and as JSON, CSV and HDF5.
 */
 #include "analysis/stability_map.h"
 #include "base/textfile.h"
@@ -280,8 +280,8 @@ static void Explain(MpmStabilityMap *m)
 }
 
 /*
-   Probes a code at each point, where two of its parameters have the point's numbers. The program must have been opened and not be
-   prepared; afterwards it is prepared for the point that grows fastest, and must outlive the map.
+   Probes a code at each point, where two of its parameters have the point's numbers. The program must have been opened
+   and not be prepared; afterwards it is prepared for the point that grows fastest, and must outlive the map.
 */
 static PetscErrorCode MapOfProgram(MpmProgram *p, MpmStabilityMap **map)
 {

@@ -1,4 +1,7 @@
-/* The task run: mpmstab run [SCENE.yaml] [-option value]... Keys of JSON are a contract; one that is absent was not computed. */
+/*
+   The task run: mpmstab run [SCENE.yaml] [-option value]... Keys of JSON are a contract; one that is absent was not
+   computed.
+*/
 #include "analysis/run.h"
 #include "march/partition.h"
 #include "report/report.h"

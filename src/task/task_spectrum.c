@@ -1,4 +1,6 @@
-/* The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]... */
+/*
+   The task spectrum: mpmstab spectrum [SCENE.yaml | -matrix FILE | -program COMMAND | -plugin FILE] [-option value]...
+*/
 #include "base/textfile.h"
 #include "probe/certificates.h"
 #include "analysis/spectrum.h"

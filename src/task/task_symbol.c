@@ -1,5 +1,6 @@
 /*
-   The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE | -program COMMAND | -plugin FILE] [-option value]...
+   The task symbol: mpmstab symbol [SCENE.yaml | -matrix_blocks FILE | -program COMMAND | -plugin FILE]
+   [-option value]...
 */
 #include "analysis/damping.h"
 #include "base/textfile.h"

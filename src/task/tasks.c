@@ -1,6 +1,6 @@
 /*
-   The list of tasks, from the words of the command line to those that were meant, the steps that all tasks on a scene share,
-   and the usage text.
+   The list of tasks, from the words of the command line to those that were meant, the steps that all tasks on a scene
+   share, and the usage text.
 */
 #include "base/launch.h"
 #include "base/memory.h"

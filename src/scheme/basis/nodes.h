@@ -1,6 +1,6 @@
 /*
-   The weights of a basis whose particles have weights at NODES nodes in a row. The file of a basis defines NODES, includes
-   this header, and then defines
+   The weights of a basis whose particles have weights at NODES nodes in a row. The file of a basis defines NODES,
+   includes this header, and then defines
 
      static inline PetscInt First(PetscReal xi);
      static inline void Values(PetscReal xi, PetscReal phi[NODES]);
@@ -12,15 +12,15 @@
    cells, as their second argument, and say so by WIDE.
 
    Splines may have other functions next to walls, sums of the uniform ones. Then the weights of a particle are those of
-   the uniform splines, altered where it is near a wall. Node i of the uniform splines is at (i + OFFSET) h. The file defines OFFSET,
-   which says that walls are near, and after this header
+   the uniform splines, altered where it is near a wall. Node i of the uniform splines is at (i + OFFSET) h. The file
+   defines OFFSET, which says that walls are near, and after this header
 
      static inline void Alter(PetscInt before, PetscInt step, PetscReal w[]);
      static inline void Shift(PetscInt before, PetscInt step, PetscReal r[]);
 
-   Alter turns values or slopes of uniform splines, w[0], w[step], w[2 step] ..., into those of the basis at one wall, and Shift
-   moves the nodes' places. before is the number of nodes between the wall's node and w[0], and step leads away from the wall:
-   1 at the left, -1 at the right. Such bases have no Curves.
+   Alter turns values or slopes of uniform splines, w[0], w[step], w[2 step] ..., into those of the basis at one wall,
+   and Shift moves the nodes' places. before is the number of nodes between the wall's node and w[0], and step leads
+   away from the wall: 1 at the left, -1 at the right. Such bases have no Curves.
 */
 #pragma once
 #include <mpmstab/basis.h>

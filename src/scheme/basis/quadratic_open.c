@@ -4,8 +4,8 @@
 
      B_0 = 2 u_0,    B_1 = u_1 - u_0
 
-   and B_0 is at the wall. Source: Piegl and Tiller 1997, section 2.2, for the knots; the sums follow from B_0 = (1 - x)^2
-   and B_1 = 2 x - 3 x^2 / 2 in the first cell.
+   and B_0 is at the wall. Source: Piegl and Tiller 1997, section 2.2, for the knots; the sums follow from B_0 =
+   (1 - x)^2 and B_1 = 2 x - 3 x^2 / 2 in the first cell.
 */
 #define NODES 3
 #define OFFSET (-0.5)

@@ -1,7 +1,8 @@
 /*
-   cone: from its tip on, around an axis, with an angle between axis and surface; with dim 2 a wedge. It has no end. With
-   z = q . axis and r = |q - z axis|, q = x - tip, the distance from the nearest line of the surface is r cos a - z sin a, and
-   that from the tip |q|, where the tip is nearest. On the axis the normal is against it, which favours no side.
+   cone: from its tip on, around an axis, with an angle between axis and surface; with dim 2 a wedge. It has no end.
+   With z = q . axis and r = |q - z axis|, q = x - tip, the distance from the nearest line of the surface is r cos a - z
+   sin a, and that from the tip |q|, where the tip is nearest. On the axis the normal is against it, which favours no
+   side.
 */
 #include "scheme/collider/shapes.h"
 

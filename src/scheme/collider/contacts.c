@@ -1,13 +1,13 @@
 /*
-   The contact conditions. y is the velocity relative to the body, y_n = y . n its part along the outward normal, and t = y -
-   y_n n the rest.
+   The contact conditions. y is the velocity relative to the body, y_n = y . n its part along the outward normal, and t
+   = y - y_n n the rest.
 
      sticky      P(y) = 0
      slip        P(y) = t', on both sides of the surface
      separating  P(y) = y where y_n >= 0: there is no adhesion; else t'
 
-   Coulomb's friction of coefficient mu takes from t what the impulse |y_n| along n allows: t' = t max(0, 1 - mu |y_n| / |t|).
-   Without friction t' = t, so that sticky and slip are orthogonal projections.
+   Coulomb's friction of coefficient mu takes from t what the impulse |y_n| along n allows: t' = t max(0, 1 - mu |y_n| /
+   |t|). Without friction t' = t, so that sticky and slip are orthogonal projections.
 
      penalty     has no P: nodes do not feel the body, and particles inside it are pushed out
 */
@@ -20,7 +20,10 @@ static void Sticky(PetscReal friction, PetscInt dim, const PetscReal normal[], P
   for (PetscInt i = 0; i < dim * dim; i++) slope[i] = 0;
 }
 
-/* dt' = (1 - q) dt + q e (e . dt) - mu sign(y_n) e (n . dy), with e = t / |t|, q = mu |y_n| / |t| and dt = dy - n (n . dy) */
+/*
+   dt' = (1 - q) dt + q e (e . dt) - mu sign(y_n) e (n . dy), with e = t / |t|, q = mu |y_n| / |t| and dt = dy - n (n .
+   dy)
+*/
 static void Slip(PetscReal friction, PetscInt dim, const PetscReal normal[], PetscReal y[], PetscReal slope[])
 {
   const PetscReal yn = Dot(dim, normal, y), least = friction * fabs(yn);

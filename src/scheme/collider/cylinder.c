@@ -1,7 +1,7 @@
 /*
    cylinder: a round bar with flat ends, from the middle of one end to that of the other; with dim 2 a rectangle of the
-   width 2 radius, at any angle. With z and r the places along and across the axis, the distances from the ends and from the
-   side are q_z = |z - l / 2| - l / 2 and q_r = r - radius, and those of the box in z and r follow from them.
+   width 2 radius, at any angle. With z and r the places along and across the axis, the distances from the ends and from
+   the side are q_z = |z - l / 2| - l / 2 and q_r = r - radius, and those of the box in z and r follow from them.
 */
 #include "scheme/collider/shapes.h"
 

@@ -1,12 +1,15 @@
 /*
-   distance: a body whose signed distance d is known at the nodes of a grid of its own. Between the nodes d is linear along each
-   direction, so off by spacing^2 / 8 times its second derivatives, and its normal, the gradient of that over its length, by
-   spacing / 2 times them. Beyond the grid at x, with c its nearest point, it is d(c) + |x - c| where d(c) > 0; else d(c): a body that
-   reaches the grid's edge, as the ground does, goes on.
+   distance: a body whose signed distance d is known at the nodes of a grid of its own. Between the nodes d is linear
+   along each direction, so off by spacing^2 / 8 times its second derivatives, and its normal, the gradient of that over
+   its length, by spacing / 2 times them. Beyond the grid at x, with c its nearest point, it is d(c) + |x - c| where
+   d(c) > 0; else d(c): a body that reaches the grid's edge, as the ground does, goes on.
 */
 #include "scheme/collider/shapes.h"
 
-/* The nearest point of the grid in spacings of it: node i and the part f of the way to the next. Returns the place's way from it. */
+/*
+   The nearest point of the grid in spacings of it: node i and the part f of the way to the next. Returns the place's
+   way from it.
+*/
 static PetscReal Find(const MpmDistance *grid, PetscInt dim, const PetscReal x[], PetscInt i[], PetscReal f[],
                       PetscReal way[])
 {
@@ -49,7 +52,10 @@ static PetscReal Distance(const MpmCollider *body, PetscInt dim, const PetscReal
   return d > 0 ? d + out : d;
 }
 
-/* The outermost places on lines between nodes at which d is 0. A body that reaches the grid's edge goes on without an end. */
+/*
+   The outermost places on lines between nodes at which d is 0. A body that reaches the grid's edge goes on without an
+   end.
+*/
 static void Extent(const MpmCollider *body, PetscInt dim, PetscReal lo[], PetscReal hi[])
 {
   const MpmDistance *grid = body->grid;

@@ -13,8 +13,8 @@ PetscReal MpmQuadraticRadius(double complex trace, double complex det);
      trace = 1 + f - alpha s,    det = f
 
    With a prestress and x = k^2 chi, trace = 1 + f - alpha s - x and det = f - (f - alpha) x where particles move with
-   the grid's velocity, and trace = 1 + f - alpha (s + x), det = f where they move with the projected one. Damping and viscosity take
-   alpha k drag off trace and det.
+   the grid's velocity, and trace = 1 + f - alpha (s + x), det = f where they move with the projected one. Damping and
+   viscosity take alpha k drag off trace and det.
 */
 PetscReal MpmStressAheadGrowth(const MpmCellSymbols *cell, PetscReal courant);
 PetscReal MpmStressAheadLimit(const MpmCellSymbols *cell);

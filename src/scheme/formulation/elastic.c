@@ -40,8 +40,8 @@ static PetscReal Published(PetscReal k, PetscReal beta)
 }
 
 /*
-   P2G G2P is not the identity. Its symbol is alpha, for the hat 1 - 4 q sin^2(beta/2) with q = mean of xi (1 - xi). With
-   u and w on the nodes and a = -(s/k) u, a step makes
+   P2G G2P is not the identity. Its symbol is alpha, for the hat 1 - 4 q sin^2(beta/2) with q = mean of xi (1 - xi).
+   With u and w on the nodes and a = -(s/k) u, a step makes
 
      w' = f w + alpha a,    u' = u + k alpha (t w + a)
 */

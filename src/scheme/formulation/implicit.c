@@ -7,9 +7,9 @@
 
      y1 = y - k DIV (s + theta k GRAD ym),    s += k GRAD ym.
 
-   The increment a = y1 - y solves (1 + theta^2 k^2 K) a = - k DIV (s + theta k GRAD y), K = DIV GRAD. theta = 1/2 is the
-   midpoint rule, 1 backward Euler. From theta = 1/2 on no step raises the energy of the particles, whatever k is and however
-   they move (docs/theory.md, section 12).
+   The increment a = y1 - y solves (1 + theta^2 k^2 K) a = - k DIV (s + theta k GRAD y), K = DIV GRAD. theta = 1/2 is
+   the midpoint rule, 1 backward Euler. From theta = 1/2 on no step raises the energy of the particles, whatever k is
+   and however they move (docs/theory.md, section 12).
 
    Source: Crank and Nicolson 1947; Guilkey and Weiss 2003, an implicit material point method
 */

@@ -120,9 +120,9 @@ static PetscInt Lines(const MpmSchemeNumbers *numbers, const MpmTransfer *transf
 }
 
 /*
-   A step takes the node's velocity v and force b to M (v, b): run on (1, 0) and on (0, 1). A stage has a = - b - k drag v. The
-   velocity of the next one changes by c a on nodes, and by c alpha a by way of the particles. Particles move with w + (2 m - 1) (v - b - w), m =
-   move_share.
+   A step takes the node's velocity v and force b to M (v, b): run on (1, 0) and on (0, 1). A stage has a = - b - k drag
+   v. The velocity of the next one changes by c a on nodes, and by c alpha a by way of the particles. Particles move
+   with w + (2 m - 1) (v - b - w), m = move_share.
 */
 static void Step(const MpmCellSymbols *cell, PetscReal k, double complex *trace, double complex *det)
 {
@@ -176,7 +176,9 @@ static PetscReal Quiet(const MpmCellSymbols *cell)
   return methods[cell->numbers->rk].edge / sqrt(alpha * cell->kappa);
 }
 
-/* With flip on particles the step is R(i w), w = k sqrt(alpha kappa). Else it is where one of Jury's conditions ends. */
+/*
+   With flip on particles the step is R(i w), w = k sqrt(alpha kappa). Else it is where one of Jury's conditions ends.
+*/
 static PetscReal Limit(const MpmCellSymbols *cell)
 {
   const PetscReal edge = methods[cell->numbers->rk].edge;
@@ -197,7 +199,10 @@ static PetscReal Limit(const MpmCellSymbols *cell)
   return bracket[1];
 }
 
-/* With flip on particles a step is R of a matrix with the eigenvalues of i k sqrt(A^(1/2) K A^(1/2)), A = P2G G2P at most 1. */
+/*
+   With flip on particles a step is R of a matrix with the eigenvalues of i k sqrt(A^(1/2) K A^(1/2)), A = P2G G2P at
+   most 1.
+*/
 static PetscReal StepBound(const MpmSchemeNumbers *numbers, const MpmTransfer *transfer)
 {
   return transfer->step_bound && !transfer->filter && !MpmRkIsOnNodes(numbers, transfer) ? methods[numbers->rk].edge

@@ -56,8 +56,8 @@ static PetscInt Lines(const MpmSchemeNumbers *numbers, const MpmTransfer *transf
 
      a = - b - (p + d) v,    v' = f v + alpha a,    b' = b + p v + q (v + a) + x (v + m a)
 
-   with p = (1 - w) k^2 kappa, q = w k^2 kappa, d = k drag, x = k^2 chi, and m the share of the new velocity that particles
-   move with.
+   with p = (1 - w) k^2 kappa, q = w k^2 kappa, d = k drag, x = k^2 chi, and m the share of the new velocity that
+   particles move with.
 */
 static PetscReal Corrected(const MpmCellSymbols *cell, PetscReal k)
 {

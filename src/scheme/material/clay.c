@@ -1,19 +1,21 @@
 /*
-   clay: modified Cam clay. Hencky's elastic solid with the pressure p = - K tr e, K = lambda + 2 mu / 3, and Q = sqrt(3/2) norm(dev tau):
+   clay: modified Cam clay. Hencky's elastic solid with the pressure p = - K tr e, K = lambda + 2 mu / 3, and Q =
+   sqrt(3/2) norm(dev tau):
 
      (Q / M)^2 + p (p - c) <= 0,   c = yield exp(hardening q),   M = 6 sin f / (3 - sin f)
 
-   c is the preconsolidation pressure, q the plastic loss of volume, f the angle of friction at the critical state p = c / 2.
-   The flow is along the gradient, so that with x = q' - q and a number g >= 0
+   c is the preconsolidation pressure, q the plastic loss of volume, f the angle of friction at the critical state p = c
+   / 2. The flow is along the gradient, so that with x = q' - q and a number g >= 0
 
      x = g (2 p' - c'),   p' = - K (tr + x),   dev e' = r dev e,   r = 1 / (1 + 6 mu g / M^2)
 
    For a g the first equation is convex and grows in x, so that Newton's method comes to its root from above. The yield
-   function is above 0 at g = 0, and below it for large g: Newton's method in g takes half of its bracket where it would leave
-   it. Clay bears no tension, and without a load it stands on the yield surface.
+   function is above 0 at g = 0, and below it for large g: Newton's method in g takes half of its bracket where it would
+   leave it. Clay bears no tension, and without a load it stands on the yield surface.
 
-   K. H. Roscoe and J. B. Burland, On the generalised stress-strain behaviour of 'wet' clay (1968); in logarithmic strains
-   R. I. Borja and C. Tamagnini, Cam-Clay plasticity, part III (1998), here with elastic moduli that stay as they are.
+   K. H. Roscoe and J. B. Burland, On the generalised stress-strain behaviour of 'wet' clay (1968); in logarithmic
+   strains R. I. Borja and C. Tamagnini, Cam-Clay plasticity, part III (1998), here with elastic moduli that stay as
+   they are.
 */
 #include "scheme/material/plastic.h"
 #include <math.h>
@@ -43,8 +45,8 @@ static Flow FlowOf(const MpmMaterialNumbers *m, const PetscReal e[3], PetscReal 
 }
 
 /*
-   Sets x to the root for g, and what depends on both; returns the yield function. It begins at the x of the last g: after one step it comes
-   from above.
+   Sets x to the root for g, and what depends on both; returns the yield function. It begins at the x of the last g:
+   after one step it comes from above.
 */
 static PetscReal Follow(Flow *f, PetscReal g)
 {
@@ -90,7 +92,10 @@ static PetscReal Yield(const MpmMaterialNumbers *m, const PetscReal e[3], PetscR
   return Follow(&f, 0) / f.c;
 }
 
-/* Returns whether it has found the flow. Newton's method squares the error, so that the step after a small one is exact. */
+/*
+   Returns whether it has found the flow. Newton's method squares the error, so that the step after a small one is
+   exact.
+*/
 static PetscBool Solve(Flow *f)
 {
   PetscReal low = 0, high = INFINITY, value, R[2][5], g = 0, change = INFINITY;

@@ -8,8 +8,8 @@
 
      2 eta(r) dev D,   D = sym L,   r = sqrt(2 dev D : dev D),   eta = min(viscosity, (yield + K r^m) / r),   K the consistency
 
-   so that its dissipation eta r^2 is never negative. The largest viscosity takes the place of the rigid state below the yield
-   stress. Where D is within a line or plane, dev D has a part out of it.
+   so that its dissipation eta r^2 is never negative. The largest viscosity takes the place of the rigid state below the
+   yield stress. Where D is within a line or plane, dev D has a part out of it.
 
    W. H. Herschel and R. Bulkley (1926); with a largest viscosity, as OpenFOAM's model of this name has it (nu0),
    I. A. Frigaard and C. Nouar, On the usage of viscosity regularisation methods (2005).

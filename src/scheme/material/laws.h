@@ -1,6 +1,6 @@
 /*
-   A law is one file of this folder and a line of the list in registry.c. It says what happens at one particle; the loops
-   over particles, for each number of dimensions, are here.
+   A law is one file of this folder and a line of the list in registry.c. It says what happens at one particle; the
+   loops over particles, for each number of dimensions, are here.
 */
 #pragma once
 #include "scheme/material/tensors.h"

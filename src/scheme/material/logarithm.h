@@ -6,8 +6,8 @@
 
      log(1 + f) = 2 atanh s = f - f^2 / 2 + s (f^2 / 2 + R(s^2))
 
-   The polynomial R and the two parts of log 2 are those of fdlibm (e_log.c, Sun Microsystems 1993). 1 + x is rounded, so
-   the logarithm also has the rest over 1 + x.
+   The polynomial R and the two parts of log 2 are those of fdlibm (e_log.c, Sun Microsystems 1993). 1 + x is rounded,
+   so the logarithm also has the rest over 1 + x.
 */
 #pragma once
 #include "scheme/material/tensors.h"

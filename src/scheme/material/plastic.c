@@ -1,6 +1,6 @@
 /*
-   Flow along principal axes. B = F F^T = U diag(s^2) U^T, e = ln s; a law gives the principal stresses T(e, q), and e', q'
-   after the flow. Then
+   Flow along principal axes. B = F F^T = U diag(s^2) U^T, e = ln s; a law gives the principal stresses T(e, q), and e',
+   q' after the flow. Then
 
      tau = U diag(T) U^T        F' = G F,  G = U diag(r) U^T,  r = exp(e' - e)
 
@@ -97,7 +97,9 @@ INLINE void Axes(const PetscInt dim, PetscInt count, const PetscReal *const F[],
     for (PetscInt p = 0; p < count; p++) at->e[a][p] = s[Pair(dim, a, a)][p];
 }
 
-/* The principal strains and axes of a block. Outside of the line or plane there is an internal variable, or no strain. */
+/*
+   The principal strains and axes of a block. Outside of the line or plane there is an internal variable, or no strain.
+*/
 INLINE void PrincipalOf(const PetscInt dim, const MpmLaw *law, PetscInt count, const PetscReal *const F[],
                         Principal *at)
 {
@@ -298,8 +300,8 @@ static PetscReal Dot(const PetscReal slope[4], const PetscReal de[4])
 }
 
 /*
-   W_ab (v_b - v_a) of values v along the axes, for a other than b. apart: the derivative of v_b - v_a where e_b - e_a grows,
-   where both are alike.
+   W_ab (v_b - v_a) of values v along the axes, for a other than b. apart: the derivative of v_b - v_a where e_b - e_a
+   grows, where both are alike.
 */
 static PetscReal Shear(const Point *point, PetscInt dim, PetscInt a, PetscInt b, PetscReal difference, PetscReal apart)
 {

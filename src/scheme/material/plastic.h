@@ -1,7 +1,8 @@
 /*
-   What laws that flow have in common: a law's file says how it flows along principal axes (MpmPlastic), and these functions
-   do the rest. An isotropic law flows along the principal axes of the trial value (plastic.c). Where back does not come to the yield
-   surface it sets q to NaN; F then stays the trial value, and the march ends (march/finite.c).
+   What laws that flow have in common: a law's file says how it flows along principal axes (MpmPlastic), and these
+   functions do the rest. An isotropic law flows along the principal axes of the trial value (plastic.c). Where back
+   does not come to the yield surface it sets q to NaN; F then stays the trial value, and the march ends
+   (march/finite.c).
 */
 #pragma once
 #include <mpmstab/material.h>
@@ -20,7 +21,10 @@ PetscInt  MpmPlasticReturnTangent(const MpmMaterialNumbers *m, PetscInt dim, Pet
                                   const PetscReal *const F[], const PetscReal *const dF[], PetscReal *const after[]);
 PetscReal MpmPlasticModulus(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal F[]);
 
-/* Not collective. Hencky's solid, linear in the logarithms of the stretches: its stresses, their slopes, and its energy. */
+/*
+   Not collective. Hencky's solid, linear in the logarithms of the stretches: its stresses, their slopes, and its
+   energy.
+*/
 void      MpmHenckyStress(const MpmMaterialNumbers *m, const PetscReal e[3], PetscReal q, PetscReal T[3],
                           PetscReal slope[3][4]);
 PetscReal MpmHenckyEnergy(const MpmMaterialNumbers *m, const PetscReal e[3], PetscReal q);

@@ -68,7 +68,10 @@ PetscBool MpmMaterialFlows(const MpmMaterialNumbers *material)
   return material->law->plastic ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* The largest eigenvalue of a symmetric tensor. With dim 3: O. K. Smith, Eigenvalues of a symmetric 3 x 3 matrix (1961). */
+/*
+   The largest eigenvalue of a symmetric tensor. With dim 3: O. K. Smith, Eigenvalues of a symmetric 3 x 3 matrix
+   (1961).
+*/
 INLINE PetscReal LargestEigenvalue(PetscInt dim, const PetscReal s[])
 {
   const PetscReal mean = Trace(dim, s) / dim;

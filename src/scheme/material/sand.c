@@ -3,13 +3,14 @@
 
      d + k tr <= 0,   d = norm(dev e), tr = tr e,   k = a (3 lambda + 2 mu) / (2 mu),   a = sqrt(2/3) 2 sin f / (3 - sin f)
 
-   with the angle of friction f. A trial value beyond goes back along the radius at the same volume, e' = tr (1/3 - k n) with
-   n = dev e / d; with tr >= 0 it goes to the tip of the cone, e' = 0. The volume that sand gains there is q: it takes it
-   back before it resists pressure, so that in all of this e stands for e + q / 3, and q' is 0 unless at the tip, tr.
+   with the angle of friction f. A trial value beyond goes back along the radius at the same volume, e' = tr (1/3 - k n)
+   with n = dev e / d; with tr >= 0 it goes to the tip of the cone, e' = 0. The volume that sand gains there is q: it
+   takes it back before it resists pressure, so that in all of this e stands for e + q / 3, and q' is 0 unless at the
+   tip, tr.
 
-   G. Klar, T. Gast, A. Pradhana, C. Fu, C. Schroeder, C. Jiang, J. Teran, Drucker-Prager elastoplasticity for sand animation
-   (2016), section 6; the volume is that of A. Pradhana Tampubolon et al., Multi-species simulation of porous sand and water
-   mixtures (2017), section 4.3.4. With dim 1 and 2 the strain out of the line or plane flows, too.
+   G. Klar, T. Gast, A. Pradhana, C. Fu, C. Schroeder, C. Jiang, J. Teran, Drucker-Prager elastoplasticity for sand
+   animation (2016), section 6; the volume is that of A. Pradhana Tampubolon et al., Multi-species simulation of porous
+   sand and water mixtures (2017), section 4.3.4. With dim 1 and 2 the strain out of the line or plane flows, too.
 */
 #include "scheme/material/plastic.h"
 #include <math.h>

@@ -1,6 +1,7 @@
 /*
-   Several materials in one run: runs of particles of one material go through its law. The last internal variable of a particle is the
-   number of its material. So it goes wherever the particle goes, to other ranks and into files, and needs nothing of its own.
+   Several materials in one run: runs of particles of one material go through its law. The last internal variable of a
+   particle is the number of its material. So it goes wherever the particle goes, to other ranks and into files, and
+   needs nothing of its own.
 */
 #include "scheme/material/laws.h"
 #include "scheme/material/several.h"
@@ -45,7 +46,10 @@ static PetscInt ComponentOf(const MpmMaterials *all, PetscInt i, PetscInt dim, P
   return TENSOR(dim) + (c == TENSOR(dim) && HasInternal(all->of[i].law) ? all->slot[i] : all->ninternal);
 }
 
-/* The number of the material of a particle, the last of its components. A checkpoint that was made by hand may hold any. */
+/*
+   The number of the material of a particle, the last of its components. A checkpoint that was made by hand may hold
+   any.
+*/
 static PetscInt NumberOf(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal *const F[], PetscInt p)
 {
   const PetscReal number = F[MpmMaterialComponents(m, dim) - 1][p];

@@ -1,19 +1,19 @@
 /*
-   snow: the corotated solid with principal stretches s between 1 - compression_limit and 1 + stretch_limit. What is beyond
-   flows, and changes the volume for good: q = J_p is the volume of the plastic part, and moduli grow with exp(h (1 - q)),
-   where h is the hardening.
+   snow: the corotated solid with principal stretches s between 1 - compression_limit and 1 + stretch_limit. What is
+   beyond flows, and changes the volume for good: q = J_p is the volume of the plastic part, and moduli grow with exp(h
+   (1 - q)), where h is the hardening.
 
      psi = exp(h (1 - q)) (mu sum (s_a - 1)^2 + lambda / 2 (J - 1)^2),   J the product of s
      T_a = exp(h (1 - q)) (2 mu (s_a - 1) s_a + lambda (J - 1) J)
 
    Out of the line or plane there is no strain, which is within the bounds.
 
-   The law may gain energy. It flows by stretches, not by stresses: with lambda > 0 an axis at its bound of extension may be
-   under pressure, because another one is compressed. And moduli that grow store - h dq psi, more than the work of the flow
-   where h q psi is more than the stress. With lambda = 0 and h q compression_limit below 1/2 no flow gains.
+   The law may gain energy. It flows by stretches, not by stresses: with lambda > 0 an axis at its bound of extension
+   may be under pressure, because another one is compressed. And moduli that grow store - h dq psi, more than the work
+   of the flow where h q psi is more than the stress. With lambda = 0 and h q compression_limit below 1/2 no flow gains.
 
-   A. Stomakhin, C. Schroeder, L. Chai, J. Teran, A. Selle, A material point method for snow simulation (2013), equations
-   1 and 2 and section 7; the usual numbers are those of its table 2.
+   A. Stomakhin, C. Schroeder, L. Chai, J. Teran, A. Selle, A material point method for snow simulation (2013),
+   equations 1 and 2 and section 7; the usual numbers are those of its table 2.
 */
 #include "scheme/material/plastic.h"
 #include <math.h>

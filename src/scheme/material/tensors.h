@@ -1,6 +1,6 @@
 /*
-   Small tensors. Those of F's kind are dim x dim, row by row; symmetric ones have the order 00 01 02 11 12 22. The number
-   of dimensions is a constant where these functions are inlined, so that components are registers.
+   Small tensors. Those of F's kind are dim x dim, row by row; symmetric ones have the order 00 01 02 11 12 22. The
+   number of dimensions is a constant where these functions are inlined, so that components are registers.
 */
 #pragma once
 #include <mpmstab/compat.h>

@@ -1,13 +1,14 @@
 /*
-   The part of a stress that depends on the velocity's gradient: that of the law, and the artificial viscosity, which spreads a
-   shock over some cells and gives off the energy that a shock does:
+   The part of a stress that depends on the velocity's gradient: that of the law, and the artificial viscosity, which
+   spreads a shock over some cells and gives off the energy that a shock does:
 
      q = rho (C1 c h abs(div v) + C2 (h div v)^2)   where div v < 0, a pressure
 
    with the speed of sound c and density rho of now. As a Kirchhoff stress, J times the true one, rho is that at rest.
 
-   J. von Neumann and R. D. Richtmyer, A method for the numerical calculation of hydrodynamic shocks (1950), the quadratic term;
-   R. Landshoff (1955), the linear one. Uintah has C1 = 0.2 and C2 = 2 (artificial_viscosity_coeff1 and 2), MPM3D 0.06 and 1.5.
+   J. von Neumann and R. D. Richtmyer, A method for the numerical calculation of hydrodynamic shocks (1950), the
+   quadratic term; R. Landshoff (1955), the linear one. Uintah has C1 = 0.2 and C2 = 2 (artificial_viscosity_coeff1 and
+   2), MPM3D 0.06 and 1.5.
 */
 #include "scheme/material/laws.h"
 #include <math.h>

@@ -5,8 +5,8 @@
      B g = sum_{r<m} (I - P W)^r g,    which approaches (P W)^{-1} g
 
    instead of the node field g. So velocities become v_p = W B (v_i + a_i), nothing of the old v_p is kept, and stresses
-   are updated from GRAD B of the nodal velocity. Order 1 is pic. xpic of the same order has the same filter F = W B P of
-   the old velocity, but takes the increment a_i and the gradient as they are.
+   are updated from GRAD B of the nodal velocity. Order 1 is pic. xpic of the same order has the same filter F = W B P
+   of the old velocity, but takes the increment a_i and the gradient as they are.
 
    Source: Nairn and Hammerquist 2021. That the gradients take B too is read in the author's program, NairnMPM,
    UpdateStrainsFirstTask.cpp.
