@@ -2,7 +2,7 @@
    What the nodes need to know of a step, for particles at rest. MpmNodalPlanCreate derives it from a table alone.
 
    A particle register is, at every point of a step, c q plus a sum of terms W y. q is its value at the start, c a
-   number, y what some node register held, and W a map from nodes to particles. A map P to the nodes sees of it c (P q)
+   number, y what some node register held, and W a map from nodes to particles. A map P to the nodes makes of it c (P q)
    plus a sum of (P W) y. So the nodes need only the images z = P q of what the particles hold at the start, and a step
    takes these to
 
@@ -10,7 +10,7 @@
 
    where the y are again sums over images. Images that are only ever read together are one: DIV of a stress is one
    vector. The eigenvalues of this nodal operator are those of the operator A of all particles, but for numbers c: on
-   what no image sees, A is c. So a usl step with flip in one dimension has two numbers a node, P v and DIV s, however
+   data that all images map to 0, A is c. So a usl step with flip in one dimension has two numbers a node, P v and DIV s, however
    many particles there are.
 */
 #pragma once

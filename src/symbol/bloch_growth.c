@@ -37,9 +37,9 @@ void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscRe
 }
 
 /*
-   What no image of a plan sees of the registers that a step multiplies by c stays a multiple of itself, and so |c| is a
-   factor where these registers have more numbers than there are images with c. Returns the largest; NaN where there are
-   more images than numbers, which then have factors that the particles do not have.
+   Registers that a step multiplies by c have a part that all images of a plan map to 0. This part stays a multiple of
+   itself, and so |c| is a factor where these registers have more numbers than there are images with c. Returns the
+   largest; NaN where there are more images than numbers, which then have factors that the particles do not have.
 */
 static PetscReal LargestUnseen(const MpmBloch *b, const MpmNodalPlan *plan)
 {

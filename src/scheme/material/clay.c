@@ -9,9 +9,10 @@
 
      x = g (2 p' - c'),   p' = - K (tr + x),   dev e' = r dev e,   r = 1 / (1 + 6 mu g / M^2)
 
-   For a g the first equation is convex and grows in x, so that Newton's method comes to its root from above. The yield
-   function is above 0 at g = 0, and below it for large g: Newton's method in g takes half of its bracket where it would
-   leave it. Clay bears no tension, and without a load it stands on the yield surface.
+   Newton's method for x and g together takes some six steps from 0. Where it fails, it is done in g alone: for a g the
+   first equation is convex and grows in x, so that Newton's method comes to its root from above. The yield function is
+   above 0 at g = 0, and below it for large g: Newton's method in g takes half of its bracket where it would leave it.
+   Clay bears no tension, and without a load it stands on the yield surface.
 
    K. H. Roscoe and J. B. Burland, On the generalised stress-strain behaviour of 'wet' clay (1968); in logarithmic
    strains R. I. Borja and C. Tamagnini, Cam-Clay plasticity, part III (1998), here with elastic moduli that stay as
@@ -21,11 +22,12 @@
 #include <math.h>
 
 #define MOST_STEPS 200
+#define MOST_TOGETHER 12
 #define SMALL 1e-9 /* beside g */
 
-/* A flow: from the trial values tr, d = norm(dev e) and q; to x and g. Of these: p, c, r and (Q / M)^2. */
+/* A flow: from the trial values tr, d = norm(dev e) and c = start; to x and g. Of these: p, c, r and (Q / M)^2. */
 typedef struct {
-  PetscReal K, M2, mu, yield, hardening, tr, d, q, x, g, p, c, r, Q2;
+  PetscReal K, M2, mu, hardening, tr, d, start, x, g, p, c, r, Q2;
 } Flow;
 
 static Flow FlowOf(const MpmMaterialNumbers *m, const PetscReal e[3], PetscReal q, PetscReal dev[3])
@@ -34,14 +36,28 @@ static Flow FlowOf(const MpmMaterialNumbers *m, const PetscReal e[3], PetscReal 
   Flow            f = {.K         = m->lambda + 2 * m->mu / 3,
                        .M2        = PetscSqr(6 * sine / (3 - sine)),
                        .mu        = m->mu,
-                       .yield     = m->plastic[MPM_YIELD],
                        .hardening = m->plastic[MPM_HARDENING],
                        .tr        = tr,
-                       .q         = q};
+                       .start     = m->plastic[MPM_YIELD] * exp(m->plastic[MPM_HARDENING] * q)};
 
   for (PetscInt a = 0; a < 3; a++) dev[a] = e[a] - tr / 3;
   f.d = sqrt(dev[0] * dev[0] + dev[1] * dev[1] + dev[2] * dev[2]);
   return f;
+}
+
+/* Sets what depends on x. */
+static void SetPressures(Flow *f)
+{
+  f->p = -f->K * (f->tr + f->x);
+  f->c = f->x == 0 ? f->start : f->start * exp(f->hardening * f->x);
+}
+
+/* Sets what depends on g; returns the yield function. */
+static PetscReal SetShear(Flow *f)
+{
+  f->r  = 1 / (1 + 6 * f->mu * f->g / f->M2);
+  f->Q2 = 6 * PetscSqr(f->mu * f->d * f->r) / f->M2;
+  return f->Q2 + f->p * (f->p - f->c);
 }
 
 /*
@@ -50,21 +66,17 @@ static Flow FlowOf(const MpmMaterialNumbers *m, const PetscReal e[3], PetscReal 
 */
 static PetscReal Follow(Flow *f, PetscReal g)
 {
-  const PetscReal start = f->yield * exp(f->hardening * f->q), most = PetscMax(-f->tr, 0);
-  PetscReal       change = 1;
+  PetscReal change = 1;
 
   f->g = g;
-  f->x = g > 0 ? PetscMin(PetscMax(f->x, 0), most) : 0;
+  f->x = g > 0 ? PetscMin(PetscMax(f->x, 0), PetscMax(-f->tr, 0)) : 0;
   for (PetscInt i = 0; i <= MOST_STEPS; i++) {
-    f->p = -f->K * (f->tr + f->x);
-    f->c = f->x == 0 ? start : start * exp(f->hardening * f->x);
+    SetPressures(f);
     if (g == 0 || i == MOST_STEPS || fabs(change) <= 1e-17 || (i > 1 && change <= 0)) break;
     change = (f->x - g * (2 * f->p - f->c)) / (1 + g * (2 * f->K + f->hardening * f->c));
     f->x -= change;
   }
-  f->r  = 1 / (1 + 6 * f->mu * g / f->M2);
-  f->Q2 = 6 * PetscSqr(f->mu * f->d * f->r) / f->M2;
-  return f->Q2 + f->p * (f->p - f->c);
+  return SetShear(f);
 }
 
 /* The derivatives of x - g (2 p - c) and of the yield function, by g, x, tr, d and q. */
@@ -93,10 +105,31 @@ static PetscReal Yield(const MpmMaterialNumbers *m, const PetscReal e[3], PetscR
 }
 
 /*
-   Returns whether it has found the flow. Newton's method squares the error, so that the step after a small one is
-   exact.
+   Newton's method squares the error, so that the step after a small one is exact: for x and g together, from 0, where
+   value is the yield function. Returns whether it has found the flow.
 */
-static PetscBool Solve(Flow *f)
+static PetscBool SolveTogether(Flow *f, PetscReal value)
+{
+  for (PetscInt i = 0; i < MOST_TOGETHER; i++) {
+    const PetscReal first = f->x - f->g * (2 * f->p - f->c);
+    PetscReal       R[2][5], det, dx, dg;
+
+    Differ(f, R);
+    det = R[0][0] * R[1][1] - R[0][1] * R[1][0];
+    dg  = (first * R[1][1] - R[0][1] * value) / det;
+    dx  = (R[0][0] * value - first * R[1][0]) / det;
+    f->g -= dg;
+    f->x -= dx;
+    if (!(f->g > 0)) return PETSC_FALSE;
+    SetPressures(f);
+    value = SetShear(f);
+    if (fabs(dg) <= SMALL * f->g && fabs(dx) <= PetscMax(SMALL * fabs(f->x), 1e-17)) return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
+/* The same for g alone. */
+static PetscBool SolveInBracket(Flow *f)
 {
   PetscReal low = 0, high = INFINITY, value, R[2][5], g = 0, change = INFINITY;
 
@@ -123,9 +156,9 @@ static void Back(const MpmMaterialNumbers *m, PetscReal e[3], PetscReal *q, Pets
 {
   PetscReal dev[3], R[2][5], by[2][5] = {{0}};
   Flow      f     = FlowOf(m, e, *q, dev);
-  PetscBool found = PETSC_TRUE;
+  PetscReal value = Follow(&f, 0);
+  PetscBool found = value > 0 && !SolveTogether(&f, value) ? SolveInBracket(&f) : PETSC_TRUE;
 
-  if (Follow(&f, 0) > 0) found = Solve(&f);
   for (PetscInt a = 0; a < 3; a++) e[a] = (f.tr + f.x) / 3 + f.r * dev[a];
   *q = found ? *q + f.x : NAN;
   if (!slope) return;
