@@ -146,14 +146,13 @@ static PetscErrorCode FindAtRest(const MpmScene *scene, MpmPace *pace)
     where = at;
   }
   limit = rint(limit * DIGITS) / DIGITS;
-  MpmCheckInput(
-      limit > 0 && isfinite(limit),
-      "courant auto: the scheme has no largest stable step with particles at rest (%s, %s); allowed: a number, or "
-      "another scheme",
-      MpmNeighbourhoodNames[where],
-      isnan(limit) ? "where the limit is undecided"
-      : limit > 0  ? "where all are stable"
-                   : "where none is stable");
+  MpmCheckInput(limit > 0 && isfinite(limit),
+                "%s: the scheme has no largest stable step with particles at rest (%s, %s); allowed: a number, or "
+                "another scheme",
+                scene->watched ? "step_bound" : "courant auto", MpmNeighbourhoodNames[where],
+                isnan(limit) ? "where the limit is undecided"
+                : limit > 0  ? "where all are stable"
+                             : "where none is stable");
   pace->where      = where;
   pace->held.limit = pace->held.first = limit;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -173,10 +172,10 @@ PetscErrorCode MpmPaceCreate(const MpmScene *scene, const MpmRequest *request, M
                      .chance  = request->step_bound_chance};
   if (request->end > 0) (*pace)->end = request->end * scene->wave_speed / scene->cell_width;
   (*pace)->why_not = MpmStepBoundWhyNot(&scene->layout, &scene->scheme, &rest);
-  MpmCheckInput(!(*pace)->why_not || !MpmSpaceIsDamped(&scene->scheme.space),
-                "%s: %s; allowed: %s, or formulation musl, usf or usavg and transfer flip",
+  MpmCheckInput(!(*pace)->why_not || !MpmSpaceIsDamped(&scene->scheme.space), "%s: %s; allowed: %s%s",
                 scene->watched ? "step_bound" : "courant auto", (*pace)->why_not,
-                scene->watched ? "to leave it out" : "with a number for courant");
+                scene->watched ? "to leave it out" : "with a number for courant",
+                scene->scheme.space.local != 0 ? "" : ", or formulation musl, usf or usavg and transfer flip");
   if ((*pace)->why_not) PetscCall(FindAtRest(scene, *pace));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -326,11 +325,23 @@ static PetscBool IsOld(const MpmPace *pace, const MpmMarch *march)
    The largest artificial viscosity that a step can begin with: of the nodes' velocities a particle sees differences of
    at most twice the largest, along each axis.
 */
-static PetscReal FirstArtificial(const MpmPace *pace, const MpmMarch *march)
+static PetscErrorCode FirstArtificial(const MpmMarch *march, MpmPace *pace)
 {
-  const PetscReal *number = march->scheme->space.material.artificial;
+  const PetscReal *number  = march->scheme->space.material.artificial;
+  PetscReal        density = 0;
+  MpmMarchArrays   at      = {.march = march};
 
-  return number[0] * pace->fastest + 4 * number[1] * march->layout->dim * pace->motion;
+  PetscFunctionBegin;
+  if (number[0] == 0 && number[1] == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmMarchGetArrays(march, march->particles->step, &at));
+  for (PetscInt p = 0; p < march->particles->count; p++)
+    density = PetscMax(density, (at.weight[MPM_MASS] ? at.weight[MPM_MASS][p] : 1) /
+                                    (at.weight[MPM_VOLUME] ? at.weight[MPM_VOLUME][p] : 1));
+  PetscCall(MpmMarchRestoreArrays(march, &at));
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &density, 1, MPIU_REAL, MPI_MAX, PetscObjectComm((PetscObject)march->grid->da)));
+  pace->held.artificial = density * (number[0] * pace->fastest + 4 * number[1] * march->layout->dim * pace->motion);
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmPaceTook(MpmPace *pace, const MpmMarch *march)
@@ -352,7 +363,7 @@ PetscErrorCode MpmPaceBegin(MpmPace *pace, MpmMarch *march, const MpmRequest *re
   PetscFunctionBegin;
   if (!pace->why_not && h->looks == 0) {
     PetscCall(Speeds(pace, march));
-    h->artificial = FirstArtificial(pace, march);
+    PetscCall(FirstArtificial(march, pace));
     PetscCall(Look(pace, march));
     MpmCheckInput(h->looks > 0, "courant auto: no waves travel at the start; allowed: a number");
     h->first = h->limit;
@@ -412,7 +423,7 @@ PetscErrorCode MpmPaceWatch(MpmPace *pace, MpmMarch *march)
 
   PetscFunctionBegin;
   PetscCall(Speeds(pace, march));
-  if (h->looks == 0) h->artificial = FirstArtificial(pace, march);
+  if (h->looks == 0) PetscCall(FirstArtificial(march, pace));
   if (!pace->why_not && IsOld(pace, march)) PetscCall(Look(pace, march));
   if (h->looks == 0 && !pace->why_not) PetscFunctionReturn(PETSC_SUCCESS); /* no waves travel yet */
   Compare(pace, march);

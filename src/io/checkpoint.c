@@ -42,9 +42,9 @@ static PetscErrorCode WriteScene(MpmHdf5 *s, const MpmScene *scene)
 static PetscErrorCode WritePace(MpmHdf5 *s, const MpmMarch *march, const MpmPace *pace)
 {
   PetscReal numbers[MPM_PACE_NUMBERS] = {
-      [MPM_PACE_ELAPSED] = march->elapsed, [MPM_PACE_COURANT] = march->courant,
-      [MPM_PACE_LEAST] = pace->least,      [MPM_PACE_LARGEST] = pace->largest,
-      [MPM_PACE_TOLD] = pace->told,        [MPM_PACE_CHANGES] = (PetscReal)pace->changes};
+      [MPM_PACE_ELAPSED] = march->elapsed,          [MPM_PACE_COURANT] = march->courant, [MPM_PACE_LEAST] = pace->least,
+      [MPM_PACE_LARGEST] = pace->largest,           [MPM_PACE_SUM] = pace->sum,          [MPM_PACE_TOLD] = pace->told,
+      [MPM_PACE_CHANGES] = (PetscReal)pace->changes};
 
   PetscFunctionBegin;
   for (MpmPaceReason r = 0; r < MPM_PACE_REASONS; r++) numbers[MPM_PACE_TAKEN + r] = (PetscReal)pace->taken[r];
@@ -69,6 +69,8 @@ static PetscErrorCode WriteRun(MpmHdf5 *s, const MpmMarch *march, const MpmRun *
   PetscCall(FromFirst(s, "where", H5T_NATIVE_INT64, MPM_WHERE_OF(dim), where));
   PetscCall(FromFirst(s, "numbers", H5T_NATIVE_DOUBLE, PETSC_STATIC_ARRAY_LENGTH(numbers), numbers));
   if (run->pace) PetscCall(WritePace(s, march, run->pace));
+  if (run->watch)
+    PetscCall(FromFirst(s, "watch", H5T_NATIVE_DOUBLE, MPM_PACE_HELD, (const PetscReal *)&run->watch->held));
   PetscCall(FromFirst(s, "series_step", H5T_NATIVE_INT64, series->n, series->step));
   PetscCall(FromFirst(s, "series_state", H5T_NATIVE_DOUBLE, series->n, series->log_state));
   PetscCall(FromFirst(s, "series_grid", H5T_NATIVE_DOUBLE, series->n, series->log_grid));
@@ -315,6 +317,13 @@ static PetscErrorCode ReadAndCheckRun(MpmHdf5 *s, const MpmScene *scene, PetscIn
     PetscCall(CheckRead(s, path));
     PetscCall(MpmCheckpointCheckPace(file));
   }
+  if (scene->watched && MpmHdf5Has(s, "watch")) { /* without it the run that goes on is watched from there */
+    PetscCall(Require(s, path, "watch", H5T_NATIVE_DOUBLE, MPM_PACE_HELD));
+    MpmHdf5Read(s, "watch", H5T_NATIVE_DOUBLE, 0, MPM_PACE_HELD, file->watch);
+    PetscCall(CheckRead(s, path));
+    PetscCall(MpmCheckpointCheckWatch(file));
+    file->watched = PETSC_TRUE;
+  }
   PetscCall(Require(s, path, DMSwarmField_pid, H5T_NATIVE_INT64, scene->layout.particles));
   for (PetscInt a = 0; a < scene->layout.dim; a++) {
     PetscCall(Require(s, path, MpmFieldCell[a], H5T_NATIVE_INT64, scene->layout.particles));
@@ -356,6 +365,7 @@ static PetscErrorCode TakePace(const MpmCheckpoint *file, MpmMarch *march, MpmPa
   march->elapsed = numbers[MPM_PACE_ELAPSED];
   pace->least    = numbers[MPM_PACE_LEAST];
   pace->largest  = numbers[MPM_PACE_LARGEST];
+  pace->sum      = numbers[MPM_PACE_SUM];
   pace->told     = numbers[MPM_PACE_TOLD];
   pace->changes  = (PetscInt64)numbers[MPM_PACE_CHANGES];
   PetscCall(PetscMemcpy(&pace->held, numbers + MPM_PACE_HOLDS, sizeof pace->held));
@@ -368,6 +378,7 @@ static PetscErrorCode TakeRun(MpmCheckpoint *file, MpmMarch *march, MpmRun *run)
 {
   PetscFunctionBegin;
   if (run->pace) PetscCall(TakePace(file, march, run->pace));
+  if (file->watched) PetscCall(PetscMemcpy(&run->watch->held, file->watch, sizeof run->watch->held));
   march->step            = file->where[MPM_AT_STEP];
   march->particles->step = file->where[MPM_AT_PLACES];
   march->exponent        = (PetscInt)file->where[MPM_AT_EXPONENT];

@@ -326,6 +326,14 @@ PetscErrorCode MpmCheckpointCheckPace(const MpmCheckpoint *file)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmCheckpointCheckWatch(const MpmCheckpoint *file)
+{
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < MPM_PACE_HELD; i++)
+    Allow(isfinite(file->watch[i]), file->path, "what it knows of steps is out of range");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    Checks that particles are less than the march's slack away from their cells, at this step and the next, so that none
    is beyond the ghost layer.

@@ -27,6 +27,7 @@ enum {
   MPM_PACE_COURANT,
   MPM_PACE_LEAST,
   MPM_PACE_LARGEST,
+  MPM_PACE_SUM,
   MPM_PACE_TOLD,
   MPM_PACE_HOLDS, /* MpmPaceHeld */
   MPM_PACE_CHANGES = MPM_PACE_HOLDS + MPM_PACE_HELD,
@@ -44,8 +45,9 @@ typedef struct {
   const char *path;
   PetscInt64  where[MPM_WHERE_OF(MPM_MAX_DIM)], scene_length, csv_length, samples, ranks;
   PetscInt64 *sample_step, *rank_particles, *rank_nodes;
-  PetscReal   numbers[MPM_NUMBERS], pace[MPM_PACE_NUMBERS], *log_state, *log_grid;
+  PetscReal   numbers[MPM_NUMBERS], pace[MPM_PACE_NUMBERS], watch[MPM_PACE_HELD], *log_state, *log_grid;
   char       *scene, *csv;
+  PetscBool   watched; /* watch has been read */
 } MpmCheckpoint;
 
 #define MPM_CHECKSUM_BYTES 512
@@ -76,6 +78,7 @@ PetscErrorCode MpmCheckpointCheckRun(const MpmScene *scene, PetscInt64 steps, co
 
 /* Not collective. Refuses numbers that no run has that chooses its steps. */
 PetscErrorCode MpmCheckpointCheckPace(const MpmCheckpoint *file);
+PetscErrorCode MpmCheckpointCheckWatch(const MpmCheckpoint *file);
 
 /*
    MpmCheckpointCheckState - refuses particles and nodes from which the march could not resume.

@@ -103,11 +103,13 @@ static void Stress(const MpmMarch *march, const MpmFiniteBlock *block)
 /* A return mapping that does not converge leaves an internal variable that is no number (scheme/material/plastic.h). */
 static void Return(const MpmMarch *march, const MpmFiniteBlock *block)
 {
-  const PetscInt dim = march->grid->dim;
+  const MpmTable *t   = march->scheme->table;
+  const PetscInt  dim = march->grid->dim;
 
-  MpmMaterialReturn(&march->scheme->table->material, dim, block->n, block->to);
-  for (PetscInt p = 0; p < block->n; p++)
-    if (isnan(block->to[dim * dim][p])) Note(march, MPM_NOT_RETURNED, block, p);
+  MpmMaterialReturn(&t->material, dim, block->n, block->to);
+  for (PetscInt c = dim * dim; c < MpmTableStretches(t); c++)
+    for (PetscInt p = 0; p < block->n; p++)
+      if (isnan(block->to[c][p])) Note(march, MPM_NOT_RETURNED, block, p);
 }
 
 /* The watch keeps the largest artificial viscosity, which bounds the next step. */

@@ -15,7 +15,7 @@
 */
 static PetscReal Allowed(const char what[])
 {
-  return strstr(what, "lone-particle") || strstr(what, "sand-column") ? 1e-10 : 1e-12;
+  return strstr(what, "lone-particle") || strstr(what, "sand") ? 1e-10 : 1e-12;
 }
 
 /* The largest difference and the largest number of the fields so far. */

@@ -281,7 +281,6 @@ def check_refusals():
                              ("run", "-kinematics finite -formulation usl -courant auto -drift 1/8", "velocity or mach"),
                              ("run", "-kinematics finite -formulation usl -courant auto -stagger", "steps differ"),
                              ("run", "-kinematics finite -formulation usl -safety 0.5", "only with courant auto"),
-                             ("run", "-kinematics finite -formulation usl -step_bound lone", "only with courant auto"),
                              ("run", "-kinematics finite -formulation usl -courant auto -initial manufactured -amplitude 0.01",
                               "with time in the place of steps")):
         process = subprocess.run([MPMSTAB, task, *words.split()], capture_output=True, text=True, check=False)

@@ -2,7 +2,7 @@
    distance: a body whose signed distance d is known at the nodes of a grid of its own. Between the nodes d is linear
    along each direction, so off by spacing^2 / 8 times its second derivatives, and its normal, the gradient of that over
    its length, by spacing / 2 times them. Beyond the grid at x, with c its nearest point, it is d(c) + |x - c| where
-   d(c) > 0; else d(c): a body that reaches the grid's edge, as the ground does, goes on.
+   d(c) > 0; else d(c) with the normal at c: a body that reaches the grid's edge, as the ground does, goes on.
 */
 #include "scheme/collider/shapes.h"
 
@@ -45,8 +45,8 @@ static PetscReal Distance(const MpmCollider *body, PetscInt dim, const PetscReal
     d += weight[0] * grid->value[at];
     for (PetscInt a = 0; a < dim; a++) normal[a] += weight[1 + a] * grid->value[at];
   }
-  for (PetscInt a = 0; a < dim && out > 0; a++)
-    if (way[a] != 0) normal[a] = d > 0 ? way[a] / out : 0;
+  for (PetscInt a = 0; a < dim && d > 0 && out > 0; a++)
+    if (way[a] != 0) normal[a] = way[a] / out;
   size = sqrt(Dot(dim, normal, normal));
   for (PetscInt a = 0; a < dim; a++) normal[a] = size > 0 ? normal[a] / size : a == 0;
   return d > 0 ? d + out : d;
