@@ -185,9 +185,12 @@ static PetscErrorCode Describe(const MpmMarch *march, size_t room, char text[])
   const MpmTable *t     = march->scheme->table;
   const MpmWatch *watch = march->watch;
   const PetscInt  dim = march->grid->dim, p = watch->particle;
-  PetscReal       x[MPM_MAX_DIM], F[MPM_MAX_DIM * MPM_MAX_DIM], *values;
-  PetscInt       *cell;
-  PetscInt64     *id;
+
+  const MpmMaterialNumbers *material = &t->material;
+
+  PetscReal   x[MPM_MAX_DIM], F[MPM_MAX_DIM * MPM_MAX_DIM], *values;
+  PetscInt   *cell;
+  PetscInt64 *id;
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < dim; a++) {
@@ -210,12 +213,17 @@ static PetscErrorCode Describe(const MpmMarch *march, size_t room, char text[])
   Append(room, text, dim, x);
   (void)snprintf(text + strlen(text), room - strlen(text), " with the stretch F = ");
   Append(room, text, dim * dim, F);
+  if (material->several) { /* the last internal variable is the number of the material */
+    PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + MpmTableStretches(t) - 1], &values));
+    material = &material->several->of[lrint(values[p])];
+    PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + MpmTableStretches(t) - 1], &values));
+  }
   if (watch->kind == MPM_INVERTED)
     (void)snprintf(text + strlen(text), room - strlen(text),
                    " has the volume det F = %.6g, which is not positive and finite", MpmDeterminant(dim, F));
   else if (watch->kind == MPM_NOT_RETURNED) {
     (void)snprintf(text + strlen(text), room - strlen(text), " does not come back to the yield surface of material %s",
-                   t->material.law->name);
+                   material->law->name);
   } else {
     (void)snprintf(text + strlen(text), room - strlen(text), " would move by ");
     Append(room, text, dim, watch->way);
