@@ -211,8 +211,8 @@ PetscInt MpmMaterialsAdd(MpmMaterials *materials, const MpmMaterialNumbers *mate
 void MpmMaterialReturn(const MpmMaterialNumbers *material, PetscInt dim, PetscInt n, PetscReal *const F[]);
 
 /*E
-   MpmBranch - which derivative a particle has that stands on the yield surface: that of its own trial value, or of one
-   just beyond, or just within.
+   MpmBranch - which derivative a particle has whose trial value is on the yield surface: that of one just beyond, or
+   just within. OWN, for runs, is that of within: rounding does not decide.
 E*/
 typedef enum { MPM_BRANCH_OWN, MPM_BRANCH_LOADING, MPM_BRANCH_UNLOADING } MpmBranch;
 extern const char *const MpmBranchNames[];

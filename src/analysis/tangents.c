@@ -192,6 +192,7 @@ PetscErrorCode MpmTangentsStep(MpmTangents *t, const MpmMarch *march)
   PetscCall(MpmTangentRoom(&t->space, &t->state, &room));
   t->room = PetscMin(t->room, room);
   PetscCall(MpmTangentOf(&t->space, march->courant, &t->state, &tangent, NULL));
+  t->on_surface += t->space.on_surface;
   if (t->bytes == 0) {
     PetscCall(MpmTangentBytes(tangent, &t->bytes));
     t->bytes *= t->window;

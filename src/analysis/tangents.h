@@ -33,13 +33,14 @@ typedef struct {
    warned     - how many of them had a warning, and first, last: the last steps of the first and the last of these
    largest    - the one with the largest excess, and excess: its norm / (1 + waves)
    room       - the least MpmTangentRoom of all steps
+   on_surface - the sum of MpmTangentSpace's of all steps
    bytes      - of the tangents of a window, on all ranks together
 S*/
 typedef struct {
   MpmTangentSpace   space;
   MpmTangentState   state;
   PetscInt          window, exponents, nheld, next, nwindows, most, warned;
-  PetscInt64        steps, first, last;
+  PetscInt64        steps, first, last, on_surface;
   PetscReal        *log_growth, warn_above, waves, excess, room, bytes;
   MpmTangentWindow  largest;
   Mat              *held;

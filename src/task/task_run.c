@@ -54,6 +54,11 @@ static void Tangents(json_t *run, const MpmTangents *t)
   if (isfinite(t->room))
     MpmPrint("  least distance of a particle to a place where the weights have no %s: %.3g cells\n",
              t->space.sizes.scheme->basis->hat ? "slope, which perturbations must not reach" : "curvature", t->room);
+  if (t->on_surface > 0)
+    MpmResultSay(result,
+                 "  on the yield surface: %" PetscInt64_FMT
+                 "{on_surface} steps of single particles; their derivative is that without flow\n",
+                 t->on_surface);
   MpmPrint("  memory: %.3g MB for the tangents of a window\n", 1e-6 * t->bytes);
 }
 

@@ -6,10 +6,9 @@ check_viscous.py MPIEXEC MPMSTAB. Silent when all is well.
 import subprocess
 import sys
 
-import h5py
 import numpy as np
 
-from checks import check, check_one_line, loaded, on_ranks
+from checks import check, check_one_line, check_same_runs, loaded, on_ranks, particles
 
 MPMSTAB = sys.argv[-1]
 SHOCK = "-kinematics finite -formulation musl -basis quadratic -ppc 4 -material gas -initial shock_tube -boundary fixed -courant 0.2 -time 0.15"
@@ -26,12 +25,6 @@ def found(words, ranks=1):
     process = run(words, ranks)
     check(process.returncode == 0, f"{words}: status {process.returncode}: {process.stderr}")
     return loaded("found.json")["run"]
-
-
-def particles(path):
-    with h5py.File(path) as file:
-        step = max(key for key in file if key.startswith("step_"))
-        return {name: item[...] for name, item in file[step + "/particles"].items()}
 
 
 def rate(stress, limit, consistency, index, largest):
@@ -116,17 +109,7 @@ def check_ranks():
     flow = ("-kinematics finite -formulation {} -basis quadratic -dim 2 -cells 12,6 -initial random -amplitude 0.02 -mach 0.3,0 -courant 0.1 "
             "-material herschel_bulkley -shear_viscosity 1 -yield 0.001 -consistency 0.1 -flow_index 0.6 " + UINTAH)
     for scene in (flow.format("usl"), flow.format("musl"), flow.format("rk -rk_on nodes"), f"{COLLISION} {UINTAH}"):
-        found(f"{scene} -steps 20 -output whole.h5", 2)
-        found(f"{scene} -steps 11 -checkpoint part.h5", 2)
-        found(f"{scene} -steps 20 -restart part.h5 -output resumed.h5", 2)
-        found(f"{scene} -steps 20 -output three.h5", 3)
-        found(f"{scene} -steps 20 -march plain -output plain.h5")
-        whole = particles("whole.h5")
-        for other in ("resumed", "three", "plain"):
-            for field, values in particles(other + ".h5").items():
-                apart = np.abs(values - whole[field])
-                apart = np.minimum(apart, np.abs(apart - 1)).max() if field == "coordinates" else apart.max()
-                check(apart <= (0 if other == "resumed" else 1e-11), f"{scene}: {field} of {other} is off by {apart:.2e}")
+        check_same_runs(lambda ranks, *words: found(" ".join(words), ranks), scene, scene)
 
 
 def check_refusals():

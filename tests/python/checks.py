@@ -44,3 +44,31 @@ def text_of(path):
 def loaded(path):
     with open(path, encoding="utf-8") as file:
         return json.load(file)
+
+
+def particles(path):
+    """The fields of the last step of an output."""
+    import h5py  # few checks need it
+    with h5py.File(path) as file:
+        step = max(key for key in file if key.startswith("step_"))
+        return {name: item[...] for name, item in file[step + "/particles"].items()}
+
+
+def check_same_runs(run, what, *scene):
+    """A run that resumes is one that does not end; three ranks and the plain march have the same particles, which it returns.
+
+    run(ranks, *words) runs mpmstab and ends the check when it fails.
+    """
+    run(2, *scene, "-steps", "20", "-output", "whole.h5")
+    run(2, *scene, "-steps", "11", "-checkpoint", "part.h5")
+    run(2, *scene, "-steps", "20", "-restart", "part.h5", "-output", "resumed.h5")
+    run(3, *scene, "-steps", "20", "-output", "three.h5")
+    run(1, *scene, "-steps", "20", "-march", "plain", "-output", "plain.h5")
+    whole = particles("whole.h5")
+    for other in ("resumed", "three", "plain"):
+        for field, values in particles(other + ".h5").items():
+            apart = abs(values - whole[field])
+            if field == "coordinates":  # in a periodic box of length 1
+                apart = apart * (apart < 0.5) + abs(apart - 1) * (apart >= 0.5)
+            check(apart.max() <= (0 if other == "resumed" else 1e-11), f"{what}: {field} of {other} is off by {apart.max():.2e}")
+    return whole

@@ -105,7 +105,8 @@ static PetscReal StepBound(const MpmSchemeNumbers *numbers, const MpmTransfer *t
 
 const MpmFormulation MpmImplicit = {
     .name    = "implicit",
-    .summary = "momentum, the theta step on the frozen grid, a linear system of the nodes: no limit from theta 1/2 on",
+    .summary = "momentum, the theta step on the frozen grid, a linear system of the nodes: no limit from theta 1/2 on, "
+               "but with fmpm",
     .reference       = "Crank and Nicolson 1947; Guilkey and Weiss 2003; docs/theory.md, section 12",
     .particle_fields = {"v", "s", "q"},
     .particle_ranks  = {MPM_VECTOR, MPM_TENSOR, MPM_TENSOR},
@@ -119,7 +120,7 @@ const MpmFormulation MpmImplicit = {
     .corrected_text =
         "tr = 1 + f - theta (1 + alpha) s / q, det = f + (alpha (1 - theta) - theta f) s / q, s = k^2 kappa, "
         "q = 1 + theta^2 s",
-    .limit_text = "none with theta >= 1/2; else (alpha (1 - theta) - theta f) s / q <= 1 - f and "
+    .limit_text = "(alpha (1 - theta) - theta f) s / q <= 1 - f and "
                   "(theta (1 + f) - alpha (1 - 2 theta)) s / q <= 2 (1 + f)",
     .corrected  = Corrected,
     .limit      = Limit,

@@ -210,9 +210,10 @@ static PetscReal StepBound(const MpmSchemeNumbers *numbers, const MpmTransfer *t
 }
 
 const MpmFormulation MpmRk = {
-    .name            = "rk",
-    .summary         = "momentum, an explicit Runge-Kutta step (rk) on the frozen grid: it cannot ring",
-    .reference       = "Kinnmark and Gray 1984; docs/theory.md, section 12",
+    .name      = "rk",
+    .summary   = "momentum, an explicit Runge-Kutta step (rk) on the frozen grid: it cannot ring, but with aflip, or "
+                 "apic on hats",
+    .reference = "Kinnmark and Gray 1984; docs/theory.md, section 12",
     .particle_fields = {"v", "s", "p", "q"},
     .particle_ranks  = {MPM_VECTOR, MPM_TENSOR, MPM_VECTOR, MPM_TENSOR},
     .scratch         = {[P] = PETSC_TRUE, [Q] = PETSC_TRUE},

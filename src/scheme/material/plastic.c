@@ -375,7 +375,7 @@ PetscInt MpmPlasticReturnTangent(const MpmMaterialNumbers *m, PetscInt dim, Pets
     flows = yield > 0 ? PETSC_TRUE : PETSC_FALSE;
     if (fabs(yield) <= MPM_ON_SURFACE) {
       on_surface++;
-      if (branch != MPM_BRANCH_OWN) flows = branch == MPM_BRANCH_LOADING ? PETSC_TRUE : PETSC_FALSE;
+      flows = branch == MPM_BRANCH_LOADING ? PETSC_TRUE : PETSC_FALSE; /* not rounding, which differs between ranks */
     }
     if (flows)
       ReturnAlong(m, dim, p, &point, F, after);
