@@ -5,9 +5,15 @@
 #define MPM_STEP_BOUND_PRODUCTS 20
 
 /*E
-   MpmBoundKind - the bounds; MPM_BOUNDS all of them
+   MpmBoundKind - the bounds; MPM_BOUNDS all of them. MPM_BOUND_LOSS: what the loss by damping and viscosity depends on
 E*/
-typedef enum { MPM_BOUND_LONE = 1, MPM_BOUND_PARTICLE = 2, MPM_BOUND_LANCZOS = 4, MPM_BOUNDS = 7 } MpmBoundKind;
+typedef enum {
+  MPM_BOUND_LONE     = 1,
+  MPM_BOUND_PARTICLE = 2,
+  MPM_BOUND_LANCZOS  = 4,
+  MPM_BOUND_LOSS     = 8,
+  MPM_BOUNDS         = 7
+} MpmBoundKind;
 
 /*S
    MpmStepBounds - Courant numbers up to which no state of the particles at rest, where they are, grows. M^-1 K is the
@@ -24,7 +30,7 @@ typedef enum { MPM_BOUND_LONE = 1, MPM_BOUND_PARTICLE = 2, MPM_BOUND_LANCZOS = 4
    nodes    - the nodal unknowns
    products - how many were taken
    moduli   - NULL: those at rest; else E_p of each of this rank's particles, the square of its wave speed over c
-   form     - bounds of the largest eigenvalues of M^-1 sum_p V_p (tr D)^2 and M^-1 sum_p V_p D : D, where damping or
+   form     - of MPM_BOUND_LOSS: bounds of the largest eigenvalues of M^-1 sum_p V_p (tr D)^2 and M^-1 sum_p V_p D : D, where damping or
               viscosity depends on them: by products where lanczos was asked for, else as particle. The bounds are those
               without damping and viscosity: see MpmStepLoss
    kinds, sweeps, chance, seed - what was asked for; kinds: a sum of MpmBoundKind; seed: of the random vector

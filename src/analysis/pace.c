@@ -244,14 +244,14 @@ static PetscErrorCode Speeds(MpmPace *pace, const MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds bounds of a march's particles; value: that of the kind. */
-static PetscErrorCode Bound(const MpmPace *pace, MpmMarch *march, MpmBoundKind kind, MpmStepBounds *b, PetscReal *value)
+/* Finds bounds of a march's particles; value: that of the kind, which may have MPM_BOUND_LOSS, too. */
+static PetscErrorCode Bound(const MpmPace *pace, MpmMarch *march, PetscInt kind, MpmStepBounds *b, PetscReal *value)
 {
   PetscFunctionBegin;
   *b = (MpmStepBounds){
       .kinds = kind, .moduli = pace->moduli, .chance = pace->chance, .seed = march->layout->seed + march->step};
   PetscCall(MpmStepBoundsFind(march, b));
-  *value = kind == MPM_BOUND_LONE ? b->lone : kind == MPM_BOUND_PARTICLE ? b->particle : b->lanczos;
+  *value = kind & MPM_BOUND_LONE ? b->lone : kind & MPM_BOUND_PARTICLE ? b->particle : b->lanczos;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -265,7 +265,7 @@ static PetscErrorCode Certify(MpmPace *pace, MpmMarch *march, PetscReal particle
   if (h->certified > 0 && h->way <= LIFE(march->scheme->basis) &&
       particle * pace->fastest >= FALLS * h->particle * h->fastest)
     PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Bound(pace, march, MPM_BOUND_LANCZOS, &b, &h->certified));
+  PetscCall(Bound(pace, march, MPM_BOUND_LANCZOS | MPM_BOUND_LOSS, &b, &h->certified));
   PetscCall(PetscArraycpy(h->form, b.form, 2));
   h->particle = particle;
   h->fastest  = pace->fastest;
@@ -284,7 +284,11 @@ static PetscErrorCode Look(MpmPace *pace, MpmMarch *march)
 
   PetscFunctionBegin;
   if (!(pace->fastest > 0)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(Bound(pace, march, asked == MPM_STEP_LONE ? MPM_BOUND_LONE : MPM_BOUND_PARTICLE, &b, &pace->number));
+  PetscCall(Bound(pace, march,
+                  asked == MPM_STEP_LONE       ? MPM_BOUND_LONE | MPM_BOUND_LOSS
+                  : asked == MPM_STEP_PARTICLE ? MPM_BOUND_PARTICLE | MPM_BOUND_LOSS
+                                               : MPM_BOUND_PARTICLE,
+                  &b, &pace->number));
   if (asked != MPM_STEP_LANCZOS) PetscCall(PetscArraycpy(h->form, b.form, 2));
   pace->at = asked == MPM_STEP_LONE ? b.lone_at : b.particle_at;
   pace->by = asked;

@@ -809,7 +809,7 @@ PetscErrorCode MpmStepBoundsFind(MpmMarch *march, MpmStepBounds *b)
   b->why_not = MpmStepBoundWhyNot(march->layout, march->scheme, &rest);
   if (b->why_not) PetscFunctionReturn(PETSC_SUCCESS);
   b->factor = formulation->step_bound(&march->scheme->numbers, march->scheme->transfer);
-  if (MpmSpaceIsDamped(&march->scheme->space)) PetscCall(FindForms(march, b));
+  if (b->kinds & MPM_BOUND_LOSS && MpmSpaceIsDamped(&march->scheme->space)) PetscCall(FindForms(march, b));
   PetscCall(Begin(march, b, OF_MODULI, &s));
   if (b->kinds & MPM_BOUND_LONE) PetscCall(FindLone(&s, b));
   PetscCall(PetscLogEventBegin(march->watch_event, 0, 0, 0, 0));
