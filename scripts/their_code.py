@@ -7,6 +7,7 @@ their_code.py [--quick] [--check FILE]
 --quick. Taichi is installed into build/their-code; MPMSTAB_TAICHI names a Python that has it already. Where it cannot be had
 the script says why and ends with status 77. The environment variable MPMSTAB names the program (by default build/mpmstab).
 """
+import fcntl
 import json
 import math
 import os
@@ -33,6 +34,13 @@ def taichi_python():
     if python:
         return python
     folder = os.path.join(os.path.dirname(PROGRAM), "their-code")
+    with open(folder + ".lock", "w", encoding="utf-8") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # a second pip would replace libraries that a script has mapped: a bus error
+        return installed_taichi(folder)
+
+
+def installed_taichi(folder):
+    """The Python of this folder with Taichi, which is installed into it where it is missing."""
     python = os.path.join(folder, "bin", "python")
     has = [python, "-c", "import taichi"]
     if os.path.exists(python) and subprocess.run(has, capture_output=True, check=False).returncode == 0:
