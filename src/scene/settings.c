@@ -164,57 +164,56 @@ PetscErrorCode MpmSettingsDisplace(MpmSettings *settings, PetscInt option, Petsc
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmOrigin source, int line)
+PetscErrorCode MpmSettingsSet(MpmSettings *settings, const char name[], const char text[], MpmOrigin source, int line)
 {
+  PetscInt i = MpmSettingsIndex(settings, name);
+
   PetscFunctionBegin;
-  for (const char *rival = MpmOptions[option].rival; rival && *rival; rival += strcspn(rival, ",")) {
-    char name[64];
+  if (i == MPM_NOT_AN_OPTION) {
+    MpmCheckInput(settings->n < MPM_MOST_SAID, "%s:%d: key '%s': more keys that are no options than the %d that fit",
+                  settings->scene, line, name, MPM_MOST_SAID);
+    PetscCall(PetscStrallocpy(name, &settings->name[settings->n]));
+    i = MPM_MAX_OPTIONS + settings->n++;
+  }
+  for (const char *rival = i < MPM_MAX_OPTIONS ? MpmOptions[i].rival : NULL; rival && *rival;
+       rival += strcspn(rival, ",")) {
+    char other[64];
 
     if (*rival == ',') rival++;
-    (void)snprintf(name, strcspn(rival, ",") + 1, "%s", rival);
-    PetscCall(MpmSettingsDisplace(settings, option, MpmOptionIndex(name), source));
+    (void)snprintf(other, strcspn(rival, ",") + 1, "%s", rival);
+    PetscCall(MpmSettingsDisplace(settings, i, MpmOptionIndex(other), source));
   }
-  PetscCall(PetscFree(settings->text[option]));
-  PetscCall(PetscStrallocpy(text, &settings->text[option]));
-  settings->source[option] = source;
-  settings->line[option]   = line;
+  PetscCall(PetscFree(settings->text[i]));
+  PetscCall(PetscStrallocpy(text, &settings->text[i]));
+  settings->source[i] = source;
+  settings->line[i]   = line;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSettingsFind(const char before[], const char name[], const char **text, char place[MPM_PLACE_TEXT])
+PetscErrorCode MpmSettingsReadOption(MpmSettings *settings, const char name[], MpmOrigin source)
 {
-  char      key[96];
-  PetscBool given;
+  char        key[96], place[MPM_PLACE_TEXT];
+  const char *text;
+  PetscBool   given;
+  MpmOrigin   from;
 
   PetscFunctionBegin;
-  (void)snprintf(key, sizeof key, "-%s%s", before, name);
-  PetscCall(PetscOptionsFindPair(NULL, NULL, key, text, &given));
-  if (given && !*text) *text = "";
-  if (!given) *text = NULL;
-  if (given) PetscCall(MpmSettingsPlace(key + 1, *text, place));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Sets the options in PETSc's database that have one source. */
-static PetscErrorCode ReadFrom(MpmSettings *settings, MpmOrigin source)
-{
-  PetscFunctionBegin;
-  for (PetscInt i = 0; MpmOptions[i].name; i++) {
-    char        place[MPM_PLACE_TEXT];
-    const char *text;
-
-    PetscCall(MpmSettingsFind("", MpmOptions[i].name, &text, place));
-    if (text && (place[0] ? MPM_FROM_OUTSIDE : MPM_FROM_COMMAND_LINE) == source)
-      PetscCall(MpmSettingsSet(settings, i, text, source, 0));
-  }
+  (void)snprintf(key, sizeof key, "-%s", name);
+  PetscCall(PetscOptionsFindPair(NULL, NULL, key, &text, &given));
+  if (!given) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MpmSettingsPlace(name, text, place));
+  from = place[0] ? MPM_FROM_OUTSIDE : MPM_FROM_COMMAND_LINE;
+  if (source == MPM_FROM_DEFAULT || source == from)
+    PetscCall(MpmSettingsSet(settings, name, text ? text : "", from, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmSettingsReadCommandLine(MpmSettings *settings)
 {
   PetscFunctionBegin;
-  PetscCall(ReadFrom(settings, MPM_FROM_OUTSIDE));
-  PetscCall(ReadFrom(settings, MPM_FROM_COMMAND_LINE));
+  for (MpmOrigin source = MPM_FROM_OUTSIDE; source <= MPM_FROM_COMMAND_LINE; source++)
+    for (PetscInt i = 0; MpmOptions[i].name; i++)
+      PetscCall(MpmSettingsReadOption(settings, MpmOptions[i].name, source));
   settings->has_options = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -235,11 +234,8 @@ PetscErrorCode MpmSettingsDestroy(MpmSettings **settings)
 {
   PetscFunctionBegin;
   if (*settings) {
-    for (PetscInt i = 0; MpmOptions[i].name; i++) PetscCall(PetscFree((*settings)->text[i]));
-    for (PetscInt i = 0; i < (*settings)->nparameters; i++) {
-      PetscCall(PetscFree((*settings)->parameter[i].name));
-      PetscCall(PetscFree((*settings)->parameter[i].text));
-    }
+    for (PetscInt i = 0; i < MPM_MOST_SETTINGS; i++) PetscCall(PetscFree((*settings)->text[i]));
+    for (PetscInt i = 0; i < MPM_MOST_SAID; i++) PetscCall(PetscFree((*settings)->name[i]));
     PetscCall(MpmWrittenDestroy(&(*settings)->inside));
     PetscCall(MpmWrittenDestroy(&(*settings)->outside));
     MpmTextFree((*settings)->files);
@@ -304,6 +300,22 @@ static PetscErrorCode RefuseUnknown(const char name[], const char place[], const
   MpmRefuse("unknown option -%.200s%s; 'mpmstab list options' shows those there are%s", name, place, more);
 }
 
+/* Whether an option is map_ and a word of map_axes; the parameters of a code are known when it has been started. */
+static PetscErrorCode IsSpan(const char name[], PetscBool *is)
+{
+  const char *text = NULL;
+  PetscBool   given;
+
+  PetscFunctionBegin;
+  PetscCall(PetscOptionsFindPair(NULL, NULL, "-map_axes", &text, &given));
+  *is = PETSC_FALSE;
+  for (size_t n; text && *text && !strncmp(name, "map_", 4); text += n + strspn(text + n, ", ")) {
+    n = strcspn(text, ", ");
+    if (strlen(name) == n + 4 && !strncmp(name + 4, text, n)) *is = PETSC_TRUE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /*
    An option that is not on the list may be a parameter of the scheme that the scene, or the option scheme, names, or
    the span of a code's parameter.
@@ -316,7 +328,7 @@ static PetscErrorCode CheckParameter(const char scene[], const char name[], cons
   PetscFunctionBegin;
   PetscCall(PetscOptionsHasName(NULL, NULL, "-scheme", &file));
   if (scene || file) PetscCall(MpmSettingsHasParameter(scene, name, &is, sizeof near, near));
-  if (!is) PetscCall(MpmSettingsIsSpanOfProgram(name, &is));
+  if (!is) PetscCall(IsSpan(name, &is));
   MpmCheckInput(is || !near[0], "unknown option -%.200s%s; did you mean -%s, a parameter of the scheme?", name, place,
                 near);
   if (!is) PetscCall(RefuseUnknown(name, place, ""));

@@ -12,31 +12,25 @@
 /* Outside: PETSC_OPTIONS, or a file in which PETSc looks for options. */
 typedef enum { MPM_FROM_DEFAULT, MPM_FROM_SCENE, MPM_FROM_OUTSIDE, MPM_FROM_COMMAND_LINE } MpmOrigin;
 
-/* What was said of a parameter of the scheme, or of map_ and its name. */
-typedef struct {
-  char     *name, *text;
-  MpmOrigin source;
-  int       line;
-} MpmSettingsParameter;
-
-#define MPM_MOST_SAID 64 /* of parameters */
+#define MPM_MOST_SAID 64 /* names that are no options */
+#define MPM_MOST_SETTINGS (MPM_MAX_OPTIONS + MPM_MOST_SAID)
 
 /*
-   inside, outside: the schemes that are written in the scene and in the file that the option scheme names. scheme: the
-   one of them that counts; NULL: none. has_options: the command line has been read. files: those that keys inside
-   options name, which have been read, a line each.
+   What was said of each option, and behind the options of n other names: parameters of the scheme or of a code, and map_
+   with such a name. inside, outside: the schemes that are written in the scene and in the file that the option scheme
+   names. scheme: the one of them that counts; NULL: none. has_options: the command line has been read. files: those that
+   keys inside options name, which have been read, a line each.
 */
 typedef struct {
-  char     *text[MPM_MAX_OPTIONS]; /* NULL: not given and no default */
-  MpmOrigin source[MPM_MAX_OPTIONS];
-  int       line[MPM_MAX_OPTIONS]; /* in the scene, from 1 */
-  char      scene[PETSC_MAX_PATH_LEN];
+  char     *text[MPM_MOST_SETTINGS]; /* NULL: not given and no default */
+  MpmOrigin source[MPM_MOST_SETTINGS];
+  int       line[MPM_MOST_SETTINGS]; /* in the scene, from 1 */
+  PetscInt  n;
+  char     *name[MPM_MOST_SAID], scene[PETSC_MAX_PATH_LEN];
 
-  MpmWritten          *inside, *outside, *scheme;
-  PetscBool            has_options;
-  MpmText             *files;
-  PetscInt             nparameters;
-  MpmSettingsParameter parameter[MPM_MOST_SAID];
+  MpmWritten *inside, *outside, *scheme;
+  PetscBool   has_options;
+  MpmText    *files;
 } MpmSettings;
 
 /* Not collective. The defaults, over which the other readers write. */
@@ -57,8 +51,15 @@ PetscErrorCode MpmSettingsReadCommandLine(MpmSettings *settings);
 */
 PetscErrorCode MpmSettingsDisplace(MpmSettings *settings, PetscInt option, PetscInt other, MpmOrigin source);
 
-/* Collective. Sets an option's text, and takes away those of its rivals. line: in the scene, from 1. */
-PetscErrorCode MpmSettingsSet(MpmSettings *settings, PetscInt option, const char text[], MpmOrigin source, int line);
+/*
+   MpmSettingsSet - sets the text of an option or of another name, and takes away those of its rivals. line: in the scene,
+   from 1. MpmSettingsReadOption - does so where PETSc's database has the option, and from that source;
+   MPM_FROM_DEFAULT: from any.
+
+   Collective.
+*/
+PetscErrorCode MpmSettingsSet(MpmSettings *settings, const char name[], const char text[], MpmOrigin source, int line);
+PetscErrorCode MpmSettingsReadOption(MpmSettings *settings, const char name[], MpmOrigin source);
 
 /* Collective. Refuses words, misspelled options and those the task does not read, before anything runs. */
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first);
@@ -73,18 +74,12 @@ PetscErrorCode MpmSettingsFormulationNumbers(const MpmSettings *settings, const 
 /*
    MpmSettingsReadScheme    - reads the scheme of a file, and what the command line says of the scheme's parameters. It
                               refuses keys and names that are neither options nor parameters.
-   MpmSettingsParameterSaid - what was said of before and name, such as map_ and theta; NULL: nothing
-   MpmSettingsRefuseParameter - ends with a message that names it, its value, where it stands, and why it cannot be
    MpmSettingsHasParameter  - whether name is a parameter of the scheme that scene and command line name, or map_ and
                               one. near: the parameter that a misspelt name may mean, empty where there is none
 
    Collective.
 */
-PetscErrorCode              MpmSettingsReadScheme(MpmSettings *settings);
-const MpmSettingsParameter *MpmSettingsParameterSaid(const MpmSettings *settings, const char before[],
-                                                     const char name[]);
-PetscErrorCode              MpmSettingsRefuseParameter(const MpmSettings *settings, const MpmSettingsParameter *said,
-                                                       const char why[]);
+PetscErrorCode MpmSettingsReadScheme(MpmSettings *settings);
 PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], PetscBool *has, size_t room, char near[]);
 
 #define MPM_PLACE_TEXT 512
@@ -92,15 +87,12 @@ PetscErrorCode MpmSettingsHasParameter(const char scene[], const char name[], Pe
 /*
    MpmSettingsPlace - says where an option of PETSc's database comes from: ", from PETSC_OPTIONS", ", from .petscrc" or
    another file of options; "" for the command line, or the program itself. value: NULL or "" for none.
-   MpmSettingsFind - the text that the database has of the option before and name, "" for none, and its place; NULL: it
-   is not there.
    MpmSettingsPlaceFile - gives the names of the files of options, the one that overrules the others first; the command
    line may name one. there: whether there is an i-th name. There need be no such file.
 
-   Collective on PETSC_COMM_WORLD: MpmSettingsPlace, MpmSettingsFind. Not collective: MpmSettingsPlaceFile.
+   Collective on PETSC_COMM_WORLD: MpmSettingsPlace. Not collective: MpmSettingsPlaceFile.
 */
 PetscErrorCode MpmSettingsPlace(const char name[], const char value[], char place[MPM_PLACE_TEXT]);
-PetscErrorCode MpmSettingsFind(const char before[], const char name[], const char **text, char place[MPM_PLACE_TEXT]);
 PetscErrorCode MpmSettingsPlaceFile(int i, size_t room, char file[], PetscBool *there);
 
 /*
@@ -211,7 +203,11 @@ PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], c
 /* Not collective. Whether a text is two finite numbers or fractions lo,hi with lo < hi, and these. */
 PetscBool MpmSettingsParseSpan(const char text[], MpmFraction span[2]);
 
-/* Not collective. Whether an option has a value, who gave it, and the value as text. */
+/*
+   Not collective. Whether an option, or another name, has a value, who gave it, and the value as text; its place in
+   settings, MPM_NOT_AN_OPTION: nothing was said of it.
+*/
+PetscInt    MpmSettingsIndex(const MpmSettings *settings, const char name[]);
 PetscBool   MpmSettingsGiven(const MpmSettings *settings, const char name[]);
 MpmOrigin   MpmSettingsSource(const MpmSettings *settings, const char name[]);
 const char *MpmSettingsText(const MpmSettings *settings, const char name[]);
@@ -261,7 +257,7 @@ PetscErrorCode MpmSettingsCheckTrust(const MpmSettings *settings);
 
 /* Collective. Reads what a task is to do with a scene, and with a matrix in its place. */
 PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request);
-PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequest *request);
+PetscErrorCode MpmSettingsReadMatrixRequest(MpmSettings *settings, MpmRequest *request);
 
 /*
    MpmSettingsNameMatrix - whether a file with a matrix, or with the blocks of a lattice, takes the place of a scene.
@@ -271,15 +267,9 @@ PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequ
 PetscErrorCode MpmSettingsNameMatrix(const MpmSettings *settings, const char task[], PetscBool *named);
 
 /*
-   MpmSettingsReadProgram - reads which program or plugin takes the place of a scene, how it is probed, and the axes of
-   a map of it: two of its parameters, each with a span lo,hi in the option map_NAME. Whether the code has such
-   parameters is known when it has been started.
-   MpmSettingsIsSpanOfProgram - whether an option of this name is such a span, if a code is mapped: map_axes names it.
-
-   Collective.
+   Collective. Reads which program or plugin takes the place of a scene, and how it is probed.
 */
 PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *request);
-PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is);
 
 /* Not collective. Whether the files of a map have something of this name already, so that no axis may have it. */
 PetscBool MpmSettingsIsOfMap(const char name[]);

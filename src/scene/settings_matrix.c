@@ -2,111 +2,8 @@
 #include "scene/request.h"
 #include "scene/settings.h"
 #include <mpmstab/errors.h>
-#include <mpmstab/fraction.h>
 #include <math.h>
 #include <string.h>
-
-/* The axes of a map of a code: parameters that the code names, which are known only when it has been started. */
-
-static const char map[] = "map_", separators[] = ", ";
-
-/* The two words of map_axes, or fewer. */
-static void Words(const char text[], PetscInt *n, MpmAxis axes[2], PetscBool *fit)
-{
-  *fit = PETSC_TRUE;
-  for (*n = 0; text && *text; ++*n) {
-    const size_t length = strcspn(text, separators);
-
-    if (*n == 2 || length == 0 || length >= sizeof axes[0].name) *fit = PETSC_FALSE;
-    if (!*fit) break;
-    (void)snprintf(axes[*n].name, length + 1, "%s", text);
-    text += length + strspn(text + length, separators);
-  }
-}
-
-/* Whether it is a code that is mapped is known later: map_axes of a scene allows no word that is not its own. */
-PetscErrorCode MpmSettingsIsSpanOfProgram(const char name[], PetscBool *is)
-{
-  MpmAxis     axes[2];
-  PetscInt    n;
-  const char *text;
-  char        place[MPM_PLACE_TEXT];
-  PetscBool   fit;
-
-  PetscFunctionBegin;
-  *is = PETSC_FALSE;
-  if (strncmp(name, map, strlen(map))) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsFind(map, "axes", &text, place));
-  Words(text, &n, axes, &fit);
-  for (PetscInt i = 0; i < n; i++)
-    if (!strcmp(axes[i].name, name + strlen(map))) *is = PETSC_TRUE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadSpan(MpmAxis *axis)
-{
-  char        place[MPM_PLACE_TEXT];
-  const char *text;
-  MpmFraction span[2];
-
-  PetscFunctionBegin;
-  PetscCall(MpmSettingsFind(map, axis->name, &text, place));
-  MpmCheckInput(text, "-map_axes %s: the span of that axis is missing; allowed: with -%s%s lo,hi", axis->name, map,
-                axis->name);
-  MpmCheckInput(MpmSettingsParseSpan(text, span),
-                "-%s%s %.200s%s: allowed: two numbers or fractions lo,hi with lo < hi", map, axis->name, text, place);
-  axis->from = span[0];
-  axis->to   = span[1];
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The spans of a scene's own axes are options; only those of parameters that the code has by these names are read. */
-static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  for (PetscInt i = 0; MpmOptions[i].name; i++) {
-    const char *name = MpmOptions[i].name + strlen(map);
-
-    if (MpmOptions[i].kind != MPM_SPAN || !strcmp(name, request->axes[0].name) || !strcmp(name, request->axes[1].name))
-      continue;
-    MpmSettingsRefuseIf(settings->source[i] != MPM_FROM_DEFAULT, settings, MpmOptions[i].name,
-                        "map_axes does not name it; allowed: with a parameter of the code of that name");
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode ReadProgramAxes(const MpmSettings *settings, MpmRequest *request)
-{
-  static const char allowed[] = "allowed: two different parameters that the code names, such as dt,E";
-  PetscInt          points[2], n;
-  PetscBool         fit;
-
-  PetscFunctionBegin;
-  MpmCheckInput(
-      MpmSettingsSource(settings, "map_axes") != MPM_FROM_DEFAULT,
-      "map of a code: map_axes is missing; allowed: -map_axes with two parameters that the code names, such as "
-      "dt,E, and a span for each, as -map_dt lo,hi");
-  Words(MpmSettingsText(settings, "map_axes"), &n, request->axes, &fit);
-  MpmSettingsRefuseIf(!fit || n != 2 || !strcmp(request->axes[0].name, request->axes[1].name), settings, "map_axes",
-                      allowed);
-  PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
-  MpmSettingsRefuseIf(n != 2, settings, "map_points", "allowed: two whole numbers, one for each axis");
-  for (int a = 0; a < 2; a++) {
-    MpmAxis *axis = &request->axes[a];
-
-    MpmCheckInput(!MpmSettingsIsOfMap(axis->name) && !strchr(axis->name, '/'),
-                  "-map_axes %s: files of maps cannot hold numbers of that name; allowed: other parameters",
-                  axis->name);
-    PetscCall(ReadSpan(axis));
-    axis->kind      = MPM_AXIS_PARAMETER;
-    axis->parameter = MPM_NONE;
-    axis->points    = points[a];
-  }
-  PetscCall(CheckSpans(settings, request));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- which options go with it ---- */
 
 const char *const MpmProbeNames[] = {"bloch", "coloured", "matrix_free", NULL};
 
@@ -209,7 +106,6 @@ PetscErrorCode MpmSettingsReadProgram(const MpmSettings *settings, MpmRequest *r
                       settings, "probe", "a symbol needs cells that are alike; allowed: bloch");
   MpmSettingsRefuseIf(!strcmp(task, "spectrum") && request->probe == MPM_PROBE_BLOCH, settings, "probe",
                       "a spectrum is of all particles; allowed: coloured or matrix_free, or task symbol");
-  if (!strcmp(task, "map")) PetscCall(ReadProgramAxes(settings, request));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -12,19 +12,32 @@
 #define WHY 2048       /* bytes of why a value cannot be */
 #define MOST_SHOWN 200 /* characters of a value in a message, which is to have room for what is allowed */
 
+PetscInt MpmSettingsIndex(const MpmSettings *settings, const char name[])
+{
+  PetscInt i = MpmOptionIndex(name);
+
+  for (PetscInt n = 0; n < settings->n && i == MPM_NOT_AN_OPTION; n++)
+    if (!strcmp(settings->name[n], name)) i = MPM_MAX_OPTIONS + n;
+  return i;
+}
+
 PetscBool MpmSettingsGiven(const MpmSettings *settings, const char name[])
 {
-  return settings->text[MpmOptionIndex(name)] ? PETSC_TRUE : PETSC_FALSE;
+  return MpmSettingsText(settings, name) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 MpmOrigin MpmSettingsSource(const MpmSettings *settings, const char name[])
 {
-  return settings->source[MpmOptionIndex(name)];
+  const PetscInt i = MpmSettingsIndex(settings, name);
+
+  return i == MPM_NOT_AN_OPTION ? MPM_FROM_DEFAULT : settings->source[i];
 }
 
 const char *MpmSettingsText(const MpmSettings *settings, const char name[])
 {
-  return settings->text[MpmOptionIndex(name)];
+  const PetscInt i = MpmSettingsIndex(settings, name);
+
+  return i == MPM_NOT_AN_OPTION ? NULL : settings->text[i];
 }
 
 PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], const char by[])
@@ -34,7 +47,7 @@ PetscBool MpmSettingsOverruled(const MpmSettings *settings, const char key[], co
 
 PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[], const char format[], ...)
 {
-  const PetscInt    i                     = MpmOptionIndex(name);
+  const PetscInt    i                     = MpmSettingsIndex(settings, name);
   const char *const dots                  = strlen(settings->text[i]) > MOST_SHOWN ? "..." : "";
   char              place[MPM_PLACE_TEXT] = "", why[WHY];
   va_list           arguments;

@@ -210,9 +210,6 @@ static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scen
 
 const char *const MpmAxisNames[] = {"courant", "drift", "offset", "ppc", "poisson", "drift_angle", "mach", NULL};
 
-static const char *const spans[] = {"map_courant", "map_drift",       "map_offset", "map_ppc",
-                                    "map_poisson", "map_drift_angle", "map_mach"};
-
 /* The options, by any of their names, whose place an axis takes. An angle turns the drift that is given. */
 static const char *const replaced[] = {"courant,dt", "drift,velocity,mach", "offset", "ppc", "poisson",
                                        "",           "mach,velocity,drift"};
@@ -229,7 +226,7 @@ static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene
   const MpmRule rule[] = {{names, NULL, MPM_FROM_COMMAND_LINE, NULL, why}, {NULL}};
 
   PetscFunctionBegin;
-  (void)snprintf(why, sizeof why, "the map goes over it; allowed: -%s lo,hi", spans[kind]);
+  (void)snprintf(why, sizeof why, "the map goes over it; allowed: -map_%s lo,hi", MpmAxisNames[kind]);
   PetscCall(MpmSettingsCheckRules(settings, rule, NULL, NULL));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -247,107 +244,137 @@ static PetscErrorCode CountPpc(const MpmSettings *settings, PetscInt points, Mpm
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Tells the two words of map_axes from one another. A word that is no axis may be a parameter of the scheme. */
-static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmRequest *request)
+/* The two words of map_axes; whether there are two that differ. */
+static PetscBool NameAxes(const char text[], MpmAxis axes[2])
 {
-  const char *text = MpmSettingsText(settings, "map_axes"), *separators = ", ";
+  for (int a = 0; a < 2; a++) {
+    const size_t length = strcspn(text, ", ");
+
+    (void)snprintf(axes[a].name, PetscMin(length + 1, sizeof axes[a].name), "%s", text);
+    text += length + strspn(text + length, ", ");
+  }
+  return axes[0].name[0] && axes[1].name[0] && !*text && strcmp(axes[0].name, axes[1].name) ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* What the axes of a map of a scene are: words of map_axes, or parameters of its scheme. */
+static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmAxis axes[2])
+{
+  PetscBool two = NameAxes(MpmSettingsText(settings, "map_axes"), axes);
 
   PetscFunctionBegin;
-  for (int a = 0; a < 2; a++) {
-    const size_t length = strcspn(text, separators);
-    MpmAxis     *axis   = &request->axes[a];
-
-    MpmSettingsRefuseIf(length >= sizeof axis->name, settings, "map_axes",
-                        "allowed: two names of axes, none of them so long");
-    (void)snprintf(axis->name, length + 1, "%s", text);
-    axis->parameter = settings->scheme ? MpmWrittenFindParameter(settings->scheme, axis->name) : MPM_NONE;
-    text += length + strspn(text + length, separators);
-  }
-  if (request->axes[0].parameter == MPM_NONE && request->axes[1].parameter == MPM_NONE) {
+  for (int a = 0; a < 2; a++)
+    axes[a].parameter = settings->scheme ? MpmWrittenFindParameter(settings->scheme, axes[a].name) : MPM_NONE;
+  if (axes[0].parameter == MPM_NONE && axes[1].parameter == MPM_NONE) {
     PetscInt kinds[1][2];
 
     PetscCall(MpmSettingsEnds(settings, "map_axes", 1, kinds));
-    for (int a = 0; a < 2; a++) request->axes[a].kind = (MpmAxisKind)kinds[0][a];
-  } else
-    for (int a = 0; a < 2; a++) {
-      PetscInt kind = 0;
+    for (int a = 0; a < 2; a++) (void)snprintf(axes[a].name, sizeof axes[a].name, "%s", MpmAxisNames[kinds[0][a]]);
+    two = kinds[0][0] != kinds[0][1] ? PETSC_TRUE : PETSC_FALSE;
+  }
+  for (int a = 0; a < 2; a++) {
+    PetscInt kind = 0;
 
-      while (MpmAxisNames[kind] && strcmp(MpmAxisNames[kind], request->axes[a].name)) kind++;
-      MpmSettingsRefuseIf(!MpmAxisNames[kind] && request->axes[a].parameter == MPM_NONE, settings, "map_axes",
-                          "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle, "
-                          "mach and the parameters of the scheme");
-      request->axes[a].kind = request->axes[a].parameter == MPM_NONE ? (MpmAxisKind)kind : MPM_AXIS_PARAMETER;
-    }
-  for (int a = 0; a < 2; a++)
-    if (request->axes[a].kind != MPM_AXIS_PARAMETER)
-      (void)snprintf(request->axes[a].name, sizeof request->axes[a].name, "%s", MpmAxisNames[request->axes[a].kind]);
-  MpmSettingsRefuseIf(*text || !strcmp(request->axes[0].name, request->axes[1].name), settings, "map_axes",
+    while (MpmAxisNames[kind] && strcmp(MpmAxisNames[kind], axes[a].name)) kind++;
+    MpmSettingsRefuseIf(!MpmAxisNames[kind] && axes[a].parameter == MPM_NONE, settings, "map_axes",
+                        "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle, "
+                        "mach and the parameters of the scheme");
+    axes[a].kind = axes[a].parameter == MPM_NONE ? (MpmAxisKind)kind : MPM_AXIS_PARAMETER;
+  }
+  MpmSettingsRefuseIf(!two, settings, "map_axes",
                       "allowed: two different ones of courant, drift, offset, ppc, poisson, drift_angle and mach");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The span of a parameter, which has no default. The map takes the place of the parameter's value. */
-static PetscErrorCode ReadParameterSpan(const MpmSettings *settings, const MpmAxis *axis, MpmFraction span[2])
+/* The axes of a map of a code are parameters that the code names, which are known only when it has been started. */
+static PetscErrorCode ReadKindsOfCode(MpmSettings *settings, MpmAxis axes[2])
 {
-  const MpmSettingsParameter *own  = MpmSettingsParameterSaid(settings, "", axis->name);
-  const MpmSettingsParameter *said = MpmSettingsParameterSaid(settings, "map_", axis->name);
-
   PetscFunctionBegin;
-  if (own && own->source == MPM_FROM_COMMAND_LINE)
-    PetscCall(MpmSettingsRefuseParameter(settings, own, "the map goes over it; allowed: its span lo,hi, after map_"));
-  MpmCheckInput(said, "map_axes %s: allowed: with its span, as -map_%s lo,hi", MpmSettingsText(settings, "map_axes"),
-                axis->name);
-  if (!MpmSettingsParseSpan(said->text, span))
-    PetscCall(MpmSettingsRefuseParameter(settings, said,
-                                         "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi"));
+  MpmCheckInput(
+      MpmSettingsSource(settings, "map_axes") != MPM_FROM_DEFAULT,
+      "map of a code: map_axes is missing; allowed: -map_axes with two parameters that the code names, such as "
+      "dt,E, and a span for each, as -map_dt lo,hi");
+  MpmSettingsRefuseIf(!NameAxes(MpmSettingsText(settings, "map_axes"), axes), settings, "map_axes",
+                      "allowed: two different parameters that the code names, such as dt,E");
+  for (int a = 0; a < 2; a++) {
+    char span[48];
+
+    (void)snprintf(span, sizeof span, "map_%s", axes[a].name);
+    MpmCheckInput(!MpmSettingsIsOfMap(axes[a].name) && !strchr(axes[a].name, '/'),
+                  "-map_axes %s: files of maps cannot hold numbers of that name; allowed: other parameters",
+                  axes[a].name);
+    PetscCall(MpmSettingsReadOption(settings, span, MPM_FROM_DEFAULT));
+    axes[a].kind      = MPM_AXIS_PARAMETER;
+    axes[a].parameter = MPM_NONE;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The span of a parameter, of a scheme or of a code, has no default. The map takes the place of a scheme's value. */
+static PetscErrorCode ReadParameterSpan(const MpmSettings *settings, const MpmAxis *axis, PetscBool code,
+                                        const char option[], MpmFraction span[2])
+{
+  PetscFunctionBegin;
+  MpmSettingsRefuseIf(!code && MpmSettingsSource(settings, axis->name) == MPM_FROM_COMMAND_LINE, settings, axis->name,
+                      "the map goes over it; allowed: its span lo,hi, after map_");
+  MpmCheckInput(MpmSettingsSource(settings, option) != MPM_FROM_DEFAULT,
+                code ? "-map_axes %.32s: the span of that axis is missing; allowed: with -map_%s lo,hi"
+                     : "map_axes %s: allowed: with its span, as -map_%s lo,hi",
+                code ? axis->name : MpmSettingsText(settings, "map_axes"), axis->name);
+  MpmSettingsRefuseIf(!MpmSettingsParseSpan(MpmSettingsText(settings, option), span), settings, option,
+                      code ? "allowed: two numbers or fractions lo,hi with lo < hi"
+                           : "allowed: two numbers or fractions lo,hi (in a scene: [lo, hi]), lo < hi");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* Refuses the span of a parameter that is on the command line and that this map, or another task, does not read. */
 static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *request)
 {
+  char span[96];
+
   PetscFunctionBegin;
   for (PetscInt i = 0; settings->scheme && i < settings->scheme->nparameters; i++) {
-    const char                 *name = settings->scheme->parameters[i].name.text;
-    const MpmSettingsParameter *said = MpmSettingsParameterSaid(settings, "map_", name);
-    const PetscBool axis = Is(request, "map") && (request->axes[0].parameter == i || request->axes[1].parameter == i)
-                               ? PETSC_TRUE
-                               : PETSC_FALSE;
-
-    if (said && said->source == MPM_FROM_COMMAND_LINE && !axis)
-      PetscCall(
-          MpmSettingsRefuseParameter(settings, said, "allowed: with task map, where map_axes names the parameter"));
+    (void)snprintf(span, sizeof span, "map_%s", settings->scheme->parameters[i].name.text);
+    MpmSettingsRefuseIf(MpmSettingsSource(settings, span) == MPM_FROM_COMMAND_LINE &&
+                            !(Is(request, "map") &&
+                              (request->axes[0].parameter == i || request->axes[1].parameter == i)),
+                        settings, span, "allowed: with task map, where map_axes names the parameter");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
+/* The numbers of the axes, whose kinds are known. scene NULL: a code takes its place. */
+static PetscErrorCode ReadAxes(const MpmSettings *settings, const MpmScene *scene, MpmAxis axes[2])
 {
   PetscInt points[2], n;
 
   PetscFunctionBegin;
-  PetscCall(ReadKinds(settings, request));
   PetscCall(MpmSettingsList(settings, "map_points", 2, &n, points));
   MpmSettingsRefuseIf(n != 2, settings, "map_points", "allowed: two whole numbers, one for each axis");
   for (int a = 0; a < 2; a++) {
-    MpmAxis    *axis = &request->axes[a];
+    char        option[48];
     MpmFraction span[2];
 
-    if (axis->kind == MPM_AXIS_PARAMETER)
-      PetscCall(ReadParameterSpan(settings, axis, span));
+    (void)snprintf(option, sizeof option, "map_%s", axes[a].name);
+    if (axes[a].kind == MPM_AXIS_PARAMETER)
+      PetscCall(ReadParameterSpan(settings, &axes[a], scene ? PETSC_FALSE : PETSC_TRUE, option, span));
     else {
-      PetscCall(RefuseReplaced(settings, scene, axis->kind));
-      PetscCall(MpmSettingsSpan(settings, spans[axis->kind], span));
+      PetscCall(RefuseReplaced(settings, scene, axes[a].kind));
+      PetscCall(MpmSettingsSpan(settings, option, span));
     }
-    axis->from   = span[0];
-    axis->to     = span[1];
-    axis->points = points[a];
-    if (axis->kind == MPM_AXIS_PPC) PetscCall(CountPpc(settings, points[a], axis));
+    axes[a].from   = span[0];
+    axes[a].to     = span[1];
+    axes[a].points = points[a];
+    if (axes[a].kind == MPM_AXIS_PPC) PetscCall(CountPpc(settings, points[a], &axes[a]));
   }
-  for (PetscInt i = 0; i < (PetscInt)PETSC_STATIC_ARRAY_LENGTH(spans); i++)
-    MpmSettingsRefuseIf(MpmSettingsSource(settings, spans[i]) == MPM_FROM_COMMAND_LINE &&
-                            i != (PetscInt)request->axes[0].kind && i != (PetscInt)request->axes[1].kind,
-                        settings, spans[i], "map_axes does not name it; allowed: with an axis of that name");
+  for (PetscInt i = 0; MpmAxisNames[i]; i++) {
+    char option[48];
+
+    (void)snprintf(option, sizeof option, "map_%s", MpmAxisNames[i]);
+    MpmSettingsRefuseIf(MpmSettingsSource(settings, option) >= (scene ? MPM_FROM_COMMAND_LINE : MPM_FROM_SCENE) &&
+                            strcmp(MpmAxisNames[i], axes[0].name) && strcmp(MpmAxisNames[i], axes[1].name),
+                        settings, option, "map_axes does not name it; allowed: with %s of that name",
+                        scene ? "an axis" : "a parameter of the code");
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -531,7 +558,10 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   PetscCall(CheckSolution(settings, scene, request));
   PetscCall(ReadDamping(settings, request));
   for (int a = 0; a < 2; a++) request->axes[a].parameter = MPM_NONE;
-  if (Is(request, "map")) PetscCall(ReadAxes(settings, scene, request));
+  if (Is(request, "map")) {
+    PetscCall(ReadKinds(settings, request->axes));
+    PetscCall(ReadAxes(settings, scene, request->axes));
+  }
   PetscCall(CheckSpans(settings, request));
   PetscCall(ReadMach(settings, scene, request));
   PetscCall(ReadNeighbourhoods(settings, scene, request));
@@ -547,7 +577,7 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
    Reads what a task is to do with a matrix. How many directions its lattice has is known when its file is read: one
    number of phases is for all of them.
 */
-PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequest *request)
+PetscErrorCode MpmSettingsReadMatrixRequest(MpmSettings *settings, MpmRequest *request)
 {
   const char *phases = MpmSettingsText(settings, "phases");
   PetscInt    dim;
@@ -558,6 +588,10 @@ PetscErrorCode MpmSettingsReadMatrixRequest(const MpmSettings *settings, MpmRequ
   dim = request->given_phases > 1 ? PetscMin(request->given_phases, MPM_MAX_DIM) : MPM_MAX_DIM;
   PetscCall(MpmSettingsReadFields(settings, MPM_OF_REQUEST, &dim, request));
   PetscCall(MpmSettingsReadProgram(settings, request));
+  if (Is(request, "map")) {
+    PetscCall(ReadKindsOfCode(settings, request->axes));
+    PetscCall(ReadAxes(settings, NULL, request->axes));
+  }
   PetscCall(ReadOutputs(settings, request));
   PetscCall(ReadExpect(settings, NULL, request->task, &request->expect));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -12,20 +12,7 @@
    scene and options, which are known only when the scheme has been read.
 */
 
-static const char in_scene[] = "(written in the scene)", map[] = "map_";
-
-/* Keeps a scheme that is written in the scene. */
-static PetscErrorCode KeepScheme(MpmSettings *settings, yaml_document_t *document, const yaml_node_t *node, int line)
-{
-  const PetscInt option = MpmOptionIndex("scheme");
-
-  PetscFunctionBegin;
-  MpmCheckInput(settings->source[option] == MPM_FROM_DEFAULT,
-                "%s:%d: key 'scheme' is given a second time; allowed: once", settings->scene, line);
-  PetscCall(MpmSettingsSet(settings, option, in_scene, MPM_FROM_SCENE, line));
-  PetscCall(MpmWrittenFromYaml(settings->scene, document, node, &settings->inside));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const char map[] = "map_";
 
 /* A file has the scheme itself, or the one key scheme with it. */
 static PetscErrorCode UseFile(void *context, yaml_document_t *document, const yaml_node_t *root)
@@ -127,54 +114,6 @@ static PetscErrorCode Load(MpmSettings *settings)
 
 /* ---- parameters ---- */
 
-/* Keeps what was said of what may be a parameter. */
-static PetscErrorCode KeepSaid(MpmSettings *settings, const char name[], const char text[], MpmOrigin source, int line)
-{
-  MpmSettingsParameter *said = settings->parameter;
-  const PetscInt        n    = settings->nparameters;
-
-  PetscFunctionBegin;
-  while (said < settings->parameter + n && strcmp(said->name, name)) said++;
-  if (said == settings->parameter + n) {
-    MpmCheckInput(n < MPM_MOST_SAID, "%s:%d: key '%s': more keys that are no options than the %d that fit",
-                  settings->scene, line, name, MPM_MOST_SAID);
-    PetscCall(PetscStrallocpy(name, &said->name));
-    settings->nparameters++;
-  } else
-    MpmCheckInput(source != MPM_FROM_SCENE, "%s:%d: key '%s' is given a second time; allowed: once", settings->scene,
-                  line, name);
-  PetscCall(PetscFree(said->text));
-  PetscCall(PetscStrallocpy(text, &said->text));
-  said->source = source;
-  said->line   = line;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-const MpmSettingsParameter *MpmSettingsParameterSaid(const MpmSettings *settings, const char before[],
-                                                     const char name[])
-{
-  const size_t length = strlen(before);
-
-  for (PetscInt i = 0; i < settings->nparameters; i++) {
-    const MpmSettingsParameter *said = &settings->parameter[i];
-
-    if (!strncmp(said->name, before, length) && !strcmp(said->name + length, name)) return said;
-  }
-  return NULL;
-}
-
-PetscErrorCode MpmSettingsRefuseParameter(const MpmSettings *settings, const MpmSettingsParameter *said,
-                                          const char why[])
-{
-  char place[MPM_PLACE_TEXT] = "";
-
-  PetscFunctionBegin;
-  if (said->source == MPM_FROM_SCENE)
-    MpmRefuse("%s:%d: %s: %.200s: %s", settings->scene, said->line, said->name, said->text, why);
-  if (said->source == MPM_FROM_OUTSIDE) PetscCall(MpmSettingsPlace(said->name, said->text, place));
-  MpmRefuse("-%s %.200s%s: %s", said->name, said->text, place, why);
-}
-
 static PetscBool IsParameter(const MpmWritten *scheme, const char name[])
 {
   const char *after = strncmp(name, map, strlen(map)) ? name : name + strlen(map);
@@ -183,19 +122,6 @@ static PetscBool IsParameter(const MpmWritten *scheme, const char name[])
                     MpmWrittenFindParameter(scheme, after) != MPM_NONE)
              ? PETSC_TRUE
              : PETSC_FALSE;
-}
-
-/* Keeps what PETSc's options say of an option of this name. */
-static PetscErrorCode KeepOption(MpmSettings *settings, const char before[], const char name[])
-{
-  char        key[64], place[MPM_PLACE_TEXT];
-  const char *text;
-
-  PetscFunctionBegin;
-  (void)snprintf(key, sizeof key, "%s%s", before, name);
-  PetscCall(MpmSettingsFind(before, name, &text, place));
-  if (text) PetscCall(KeepSaid(settings, key, text, place[0] ? MPM_FROM_OUTSIDE : MPM_FROM_COMMAND_LINE, 0));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscBool MpmSettingsIsOfMap(const char name[])
@@ -233,16 +159,16 @@ static PetscErrorCode SetParameters(MpmSettings *settings)
   PetscFunctionBegin;
   PetscCall(CheckNames(scheme));
   for (PetscInt i = 0; i < scheme->nparameters; i++) {
-    const char                 *name = scheme->parameters[i].name.text;
-    const MpmSettingsParameter *said;
-    MpmFraction                 number;
+    const char *name = scheme->parameters[i].name.text;
+    char        span[96];
+    MpmFraction number;
 
-    if (settings->has_options) PetscCall(KeepOption(settings, "", name));
-    if (settings->has_options) PetscCall(KeepOption(settings, map, name));
-    said = MpmSettingsParameterSaid(settings, "", name);
-    if (!said) continue;
-    if (!MpmFractionParse(said->text, &number) || !isfinite(number.value))
-      PetscCall(MpmSettingsRefuseParameter(settings, said, "allowed: a finite number or a fraction such as 1/3"));
+    (void)snprintf(span, sizeof span, "%s%s", map, name);
+    if (settings->has_options) PetscCall(MpmSettingsReadOption(settings, name, MPM_FROM_DEFAULT));
+    if (settings->has_options) PetscCall(MpmSettingsReadOption(settings, span, MPM_FROM_DEFAULT));
+    if (!MpmSettingsGiven(settings, name)) continue;
+    MpmSettingsRefuseIf(!MpmFractionParse(MpmSettingsText(settings, name), &number) || !isfinite(number.value),
+                        settings, name, "allowed: a finite number or a fraction such as 1/3");
     scheme->parameters[i].set   = PETSC_TRUE;
     scheme->parameters[i].value = number.value;
   }
@@ -266,12 +192,9 @@ PetscErrorCode MpmSettingsReadScheme(MpmSettings *settings)
   PetscFunctionBegin;
   PetscCall(Load(settings));
   if (settings->scheme) PetscCall(SetParameters(settings));
-  for (PetscInt i = 0; i < settings->nparameters; i++) {
-    const MpmSettingsParameter *said = &settings->parameter[i];
-
-    if (!IsParameter(settings->inside, said->name) && !IsParameter(settings->scheme, said->name))
-      PetscCall(RefuseKey(settings, said->name, said->line));
-  }
+  for (PetscInt i = 0; i < settings->n; i++)
+    if (!IsParameter(settings->inside, settings->name[i]) && !IsParameter(settings->scheme, settings->name[i]))
+      PetscCall(RefuseKey(settings, settings->name[i], settings->line[MPM_MAX_OPTIONS + i]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -340,38 +263,34 @@ static const char *AllowedFor(const MpmField *option)
   }
 }
 
-static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], PetscInt option, const char text[], int line)
+/* Sets what a key of the scene says of an option, or of what may be a parameter, which is known later. */
+static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], const char name[], const char text[], int line)
 {
+  const PetscInt option = MpmOptionIndex(name);
+
   PetscFunctionBegin;
-  MpmCheckInput(settings->source[option] == MPM_FROM_DEFAULT, "%s:%d: key '%s' is given a second time; allowed: once",
-                settings->scene, line, key);
-  MpmCheckInput(*text && strcmp(text, "~") && strcmp(text, "null"),
+  MpmCheckInput(MpmSettingsSource(settings, name) == MPM_FROM_DEFAULT,
+                "%s:%d: key '%s' is given a second time; allowed: once", settings->scene, line, key);
+  MpmCheckInput(option == MPM_NOT_AN_OPTION || (*text && strcmp(text, "~") && strcmp(text, "null")),
                 "%s:%d: key '%s' has no value; allowed: %s, or no such line", settings->scene, line, key,
                 AllowedFor(&MpmOptions[option]));
-  PetscCall(MpmSettingsSet(settings, option, text, MPM_FROM_SCENE, line));
+  PetscCall(MpmSettingsSet(settings, name, text, MPM_FROM_SCENE, line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* A key that is no option may be a parameter of the scheme, which is known later. */
-static PetscErrorCode KeepParameter(MpmSettings *settings, yaml_document_t *document, const char key[],
-                                    const yaml_node_t *value, int line)
+/* What may be the value of a parameter: a scalar, or the two ends of a span. Others are left out. */
+static PetscErrorCode AddParameter(yaml_document_t *document, const yaml_node_t *value, MpmText *text)
 {
   const yaml_node_item_t *item = value->data.sequence.items.start;
-  MpmText                 text = {NULL, 0};
-  PetscErrorCode          ierr;
+  const char             *lo   = Scalar(value), *hi = NULL;
 
   PetscFunctionBegin;
-  PetscCall(MpmTextAdd(&text, "%s", ""));
   if (value->type == YAML_SEQUENCE_NODE && value->data.sequence.items.top - item == 2) {
-    const char *const lo = Scalar(yaml_document_get_node(document, item[0]));
-    const char *const hi = Scalar(yaml_document_get_node(document, item[1]));
-
-    if (lo && hi) PetscCall(MpmTextAdd(&text, "%s,%s", lo, hi));
-  } else if (Scalar(value))
-    PetscCall(MpmTextAdd(&text, "%s", Scalar(value)));
-  ierr = KeepSaid(settings, key, text.text, MPM_FROM_SCENE, line);
-  MpmTextFree(&text);
-  PetscCall(ierr);
+    lo = Scalar(yaml_document_get_node(document, item[0]));
+    hi = Scalar(yaml_document_get_node(document, item[1]));
+    if (!hi) lo = NULL;
+  }
+  PetscCall(MpmTextAdd(text, "%s%s%s", lo ? lo : "", lo && hi ? "," : "", lo && hi ? hi : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -403,17 +322,15 @@ static PetscErrorCode AddFlow(yaml_document_t *document, const yaml_node_t *node
 }
 
 /* A value as text: that of a scalar, or 'a,b,c' for a sequence where the option takes two values or a list. */
-static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document, PetscInt option,
-                                const yaml_node_t *value, char text[], size_t size)
+static PetscErrorCode AddValue(const MpmSettings *settings, yaml_document_t *document, PetscInt option,
+                               const yaml_node_t *value, MpmText *text)
 {
   const MpmOptionKind     kind = MpmOptions[option].kind;
   const char             *key = MpmOptions[option].name, *part = Scalar(value);
   const yaml_node_item_t *item = NULL, *end = NULL;
-  PetscBool               first = PETSC_TRUE;
   const PetscBool         two   = kind == MPM_RANGE || kind == MPM_SPAN || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool         many =
       kind == MPM_LIST || kind == MPM_WORDS || MpmOptions[option].each || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
-  size_t used = 0;
 
   PetscFunctionBegin;
   MpmCheckInput(value->type != YAML_MAPPING_NODE, "%s:%d: key '%s' holds a block; allowed: a value", settings->scene,
@@ -427,7 +344,6 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
                   : two ? ", or two [lo, hi]"
                         : "");
   }
-  text[0] = '\0';
   do {
     const yaml_node_t *one = item < end ? yaml_document_get_node(document, *item++) : value;
 
@@ -435,11 +351,9 @@ static PetscErrorCode ValueText(MpmSettings *settings, yaml_document_t *document
     MpmCheckInput(one->type == YAML_SCALAR_NODE, "%s:%d: key '%s': allowed: numbers or words in a list",
                   settings->scene, Line(value), key);
     MpmCheckInput(part, "%s:%d: key '%s': a zero byte in its value; allowed: text", settings->scene, Line(value), key);
-    MpmCheckInput(used + strlen(part) + 2 < size, "%s:%d: key '%s': its value is too long", settings->scene,
-                  Line(value), key);
-    (void)snprintf(text + used, size - used, "%s%s", first ? "" : ",", part);
-    used  = strlen(text);
-    first = PETSC_FALSE;
+    MpmCheckInput(text->length + strlen(part) + 2 < PETSC_MAX_PATH_LEN, "%s:%d: key '%s': its value is too long",
+                  settings->scene, Line(value), key);
+    PetscCall(MpmTextAdd(text, "%s%s", text->text ? "," : "", part));
   } while (item < end);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -482,7 +396,8 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
     const yaml_node_t *node  = yaml_document_get_node(document, pair->key);
     const yaml_node_t *value = yaml_document_get_node(document, pair->value);
     const char        *key   = Scalar(node);
-    char               name[128], text[PETSC_MAX_PATH_LEN];
+    char               name[128];
+    MpmText            text = {NULL, 0};
     PetscInt           option;
     PetscErrorCode     ierr;
 
@@ -493,7 +408,8 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
       continue;
     }
     if (!inside_expect && !strcmp(key, "scheme") && value->type == YAML_MAPPING_NODE) {
-      PetscCall(KeepScheme(settings, document, value, Line(node)));
+      PetscCall(SetOnce(settings, key, key, "(written in the scene)", Line(node)));
+      PetscCall(MpmWrittenFromYaml(settings->scene, document, value, &settings->inside));
       continue;
     }
     if (inside_expect && !strcmp(key, "verdict"))
@@ -505,21 +421,15 @@ static PetscErrorCode ReadMapping(MpmSettings *settings, yaml_document_t *docume
         "%s:%d: unknown key '%s' in expect; allowed: verdict, kind, growth, spectrum, critical, share, error or energy",
         settings->scene, Line(node), key);
     option = MpmOptionIndex(name);
-    if (option == MPM_NOT_AN_OPTION) {
-      PetscCall(KeepParameter(settings, document, name, value, Line(node)));
-      continue;
-    }
-    if (MpmOptions[option].kind == MPM_BLOCKS) {
-      MpmText blocks = {NULL, 0};
-
-      PetscCall(AddFlow(document, value, &blocks));
-      ierr = SetOnce(settings, key, option, blocks.text, Line(node));
-      MpmTextFree(&blocks);
-      PetscCall(ierr);
-      continue;
-    }
-    PetscCall(ValueText(settings, document, option, value, text, sizeof text));
-    PetscCall(SetOnce(settings, key, option, text, Line(node)));
+    if (option == MPM_NOT_AN_OPTION)
+      ierr = AddParameter(document, value, &text);
+    else if (MpmOptions[option].kind == MPM_BLOCKS)
+      ierr = AddFlow(document, value, &text);
+    else
+      ierr = AddValue(settings, document, option, value, &text);
+    if (!ierr) ierr = SetOnce(settings, key, name, text.text, Line(node));
+    MpmTextFree(&text);
+    PetscCall(ierr);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
