@@ -28,7 +28,6 @@ static PetscErrorCode CheckTrap(void)
 static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *status)
 {
   const char *names[16], *near;
-  char        known[128];
   PetscInt    n = 0;
 
   PetscFunctionBegin;
@@ -58,9 +57,9 @@ static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *st
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   near = MpmSuggest(argv[1], n, names);
-  MpmTaskNames(sizeof known, known);
-  MpmRefuse("unknown task '%s'%s%s%s; allowed: %s", argv[1], near ? "; did you mean '" : "", near ? near : "",
-            near ? "'?" : "", known);
+  PetscCall(MpmSuggestRefuse(NULL, n, names, "unknown task '%s'%s%s%s; allowed: ", argv[1],
+                             near ? "; did you mean '" : "", near ? near : "", near ? "'?" : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 int main(int argc, char **argv)

@@ -1,5 +1,7 @@
 /* The nearest known name to a misspelled one, by Levenshtein's distance. */
 #include "base/suggest.h"
+#include <mpmstab/errors.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define LONGEST 40 /* in letters; no name is near to a longer word */
@@ -39,4 +41,33 @@ const char *MpmSuggest(const char misspelled[], PetscInt n, const char *const na
     }
   }
   return nearest;
+}
+
+PetscErrorCode MpmSuggestAdd(MpmText *text, const char word[], PetscInt n, const char *const names[])
+{
+  const char *near = word ? MpmSuggest(word, n, names) : NULL;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < n; i++)
+    PetscCall(MpmTextAdd(text, "%s%s", i == 0 ? "" : i == n - 1 ? " or " : ", ", names[i]));
+  if (near) PetscCall(MpmTextAdd(text, "; did you mean %s?", near));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmSuggestRefuse(const char word[], PetscInt n, const char *const names[], const char format[], ...)
+{
+  MpmText        all = {NULL, 0};
+  char          *begin;
+  va_list        arguments;
+  PetscErrorCode ierr;
+
+  PetscFunctionBegin;
+  va_start(arguments, format);
+  begin = MpmTextMade(format, arguments);
+  va_end(arguments);
+  PetscCall(MpmSuggestAdd(&all, word, n, names));
+  ierr = MpmRefusal("%s%s", begin ? begin : "", all.text);
+  free(begin);
+  MpmTextFree(&all);
+  PetscFunctionReturn(ierr);
 }

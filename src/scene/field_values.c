@@ -47,6 +47,7 @@ static PetscErrorCode TakeOne(const MpmScene *scene, const void *place, PetscInt
   case MPM_AS_COUNTS:
     MpmSceneCountsText(scene, sizeof value->text, value->text);
     break;
+  case MPM_AS_ENDS:
   case MPM_NO_VALUE:
     SETERRQ(PETSC_COMM_SELF, PETSC_ERR_PLIB, "field %s has no value", field->name);
   }

@@ -26,7 +26,8 @@ typedef enum {
 
 /*
    How a value is kept: text; a whole number (count: PetscInt, long: PetscInt64); a double; a fraction; two doubles; a
-   PetscBool; an enum, whose value is the place of the word among the option's; the numbers of particles in cells.
+   PetscBool; an enum, whose value is the place of the word among the option's; two such places, each a PetscInt; the
+   numbers of particles in cells.
 */
 typedef enum {
   MPM_NO_VALUE,
@@ -38,6 +39,7 @@ typedef enum {
   MPM_AS_RANGE,
   MPM_AS_SWITCH,
   MPM_AS_WORD,
+  MPM_AS_ENDS,
   MPM_AS_COUNTS
 } MpmValueKind;
 

@@ -259,7 +259,7 @@ static PetscErrorCode ReadBoundary(const MpmSettings *settings, MpmScene *scene)
   PetscInt   end[MPM_MAX_DIM][2];
 
   PetscFunctionBegin;
-  PetscCall(MpmSettingsEnds(settings, "boundary", l->dim, end));
+  PetscCall(MpmSettingsRead(settings, "boundary", MPM_AS_ENDS, l->dim, sizeof end[0], end));
   for (PetscInt a = 0; a < l->dim; a++) {
     for (int e = 0; e < 2; e++) l->grid[a].ends[e] = scene->scheme.space.ends[a][e] = (MpmEnd)end[a][e];
     AppendWord(scene, a ? "," : "", l->grid[a].ends[0]);
@@ -282,7 +282,7 @@ static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
 
   PetscFunctionBegin;
   if (!MpmSettingsGiven(settings, "fill") || l->counts.n > 1) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsRanges(settings, "fill", l->dim, range));
+  PetscCall(MpmSettingsRead(settings, "fill", MPM_AS_RANGE, l->dim, sizeof range[0], range));
   l->particles = 1;
   for (PetscInt a = 0; a < l->dim; a++) {
     const PetscReal first = range[a][0] * l->ppc[a], end = range[a][1] * l->ppc[a];

@@ -177,19 +177,21 @@ PetscErrorCode MpmSettingsCheckRules(const MpmSettings *settings, const MpmRule 
 
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
-   (MpmSettingsGiven, or a default). Span: two fractions, the first below the second. Ends: two words, or one for both.
+   (MpmSettingsGiven, or a default). Read: values of a kind, at places stride bytes apart. Span: two fractions, the first below the second. Ends: two words, or one for both.
    List: whole numbers with commas between them, at most room. Reals: the same of real numbers. Words: the same of
    words, as their indices.
 
    With dim: the values of so many directions, which are one for all or one for each with commas between them. The Ends
    of several directions have a hyphen between the two words of one: periodic,fixed-free.
 */
-PetscErrorCode MpmSettingsIntegers(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt64 value[]);
-PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value);
-PetscErrorCode MpmSettingsFractions(const MpmSettings *settings, const char name[], PetscInt dim, MpmFraction value[]);
-PetscErrorCode MpmSettingsRanges(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal range[][2]);
-PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt index[][2]);
-PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value);
+PetscErrorCode MpmSettingsRead(const MpmSettings *settings, const char name[], MpmValueKind kind, PetscInt dim,
+                               size_t stride, void *values);
+#define MpmSettingsIntegers(settings, name, dim, value)                                                                \
+  MpmSettingsRead(settings, name, MPM_AS_LONG, dim, sizeof(PetscInt64), value)
+#define MpmSettingsFractions(settings, name, dim, value)                                                               \
+  MpmSettingsRead(settings, name, MPM_AS_FRACTION, dim, sizeof(MpmFraction), value)
+#define MpmSettingsReal(settings, name, value) MpmSettingsRead(settings, name, MPM_AS_REAL, 1, 0, value)
+#define MpmSettingsSwitch(settings, name, value) MpmSettingsRead(settings, name, MPM_AS_SWITCH, 1, 0, value)
 PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index);
 PetscErrorCode MpmSettingsSpan(const MpmSettings *settings, const char name[], MpmFraction span[2]);
 PetscErrorCode MpmSettingsList(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
@@ -198,7 +200,6 @@ PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], 
                                 PetscReal list[]);
 PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], PetscInt room, PetscInt *n,
                                 PetscInt index[]);
-PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path);
 
 /* Not collective. Whether a text is two finite numbers or fractions lo,hi with lo < hi, and these. */
 PetscBool MpmSettingsParseSpan(const char text[], MpmFraction span[2]);

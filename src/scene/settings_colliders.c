@@ -24,15 +24,13 @@ const yaml_node_t *MpmBlockFind(const MpmBlockReader *r, const yaml_node_t *bloc
 static PetscErrorCode RefuseWord(const MpmBlockReader *r, const char key[], const char word[], PetscInt n,
                                  const char *const names[])
 {
-  const char    *near = word ? MpmSuggest(word, n, names) : NULL;
-  MpmText        why  = {NULL, 0};
+  MpmText        why = {NULL, 0};
   PetscErrorCode ierr;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < n; i++)
-    PetscCall(MpmTextAdd(&why, "%s%s", i == 0 ? "allowed: " : i == n - 1 ? " or " : ", ", names[i]));
-  if (near) PetscCall(MpmTextAdd(&why, "; did you mean %s?", near));
-  ierr = MpmSettingsRefuse(r->settings, r->option, "%s of body %" PetscInt_FMT ": %s", key, r->n + 1, why.text);
+  PetscCall(MpmSuggestAdd(&why, word, n, names));
+  ierr =
+      MpmSettingsRefuse(r->settings, r->option, "%s of body %" PetscInt_FMT ": allowed: %s", key, r->n + 1, why.text);
   MpmTextFree(&why);
   PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -113,21 +113,20 @@ PetscErrorCode MpmSettingsCheckRules(const MpmSettings *settings, const MpmRule 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode RefuseNumber(const MpmSettings *settings, const char name[], const char what[])
+static PetscErrorCode RefuseNumber(const MpmSettings *settings, const MpmField *option, const char what[])
 {
-  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
+  const PetscReal lo = option->lo, hi = option->hi;
 
   PetscFunctionBegin;
-  MpmSettingsRefuseIf(option->lo_open && option->hi == PETSC_MAX_REAL, settings, name,
-                      "allowed: %s greater than %.6g%s%s", what, (double)option->lo, option->also ? ", or " : "",
+  MpmSettingsRefuseIf(option->lo_open && hi == PETSC_MAX_REAL, settings, option->name,
+                      "allowed: %s greater than %.6g%s%s", what, lo, option->also ? ", or " : "",
                       option->also ? option->also : "");
-  MpmSettingsRefuseIf(option->hi == PETSC_MAX_REAL && option->lo > -PETSC_MAX_REAL, settings, name,
-                      "allowed: %s from %.6g", what, (double)option->lo);
-  MpmSettingsRefuseIf(option->hi == PETSC_MAX_REAL, settings, name, "allowed: %s", what);
-  MpmSettingsRefuseIf(option->kind == MPM_FRACTION && option->hi < 1, settings, name,
-                      "allowed: %s from %.6g to below 1", what, (double)option->lo);
-  PetscCall(MpmSettingsRefuse(settings, name, "allowed: %s from %.16g to %.16g", what, (double)option->lo,
-                              (double)option->hi));
+  MpmSettingsRefuseIf(hi == PETSC_MAX_REAL && lo > -PETSC_MAX_REAL, settings, option->name, "allowed: %s from %.6g",
+                      what, lo);
+  MpmSettingsRefuseIf(hi == PETSC_MAX_REAL, settings, option->name, "allowed: %s", what);
+  MpmSettingsRefuseIf(option->kind == MPM_FRACTION && hi < 1, settings, option->name,
+                      "allowed: %s from %.6g to below 1", what, lo);
+  PetscCall(MpmSettingsRefuse(settings, option->name, "allowed: %s from %.16g to %.16g", what, lo, hi));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -135,12 +134,6 @@ static PetscBool InRange(const MpmField *option, PetscReal value)
 {
   if (!isfinite(value) || value > option->hi) return PETSC_FALSE;
   return option->lo_open ? value > option->lo : value >= option->lo;
-}
-
-/* Compared as integers, since 2^53 and 2^53 + 1 are the same double. */
-static PetscBool InWholeRange(const MpmField *option, PetscInt64 value)
-{
-  return value >= (PetscInt64)option->lo && value <= (PetscInt64)option->hi ? PETSC_TRUE : PETSC_FALSE;
 }
 
 const char *MpmSettingsFarthest(const MpmSettings *settings, PetscInt n, const char *const names[])
@@ -168,15 +161,6 @@ PetscBool MpmSettingsIsAlso(const MpmSettings *settings, const char name[])
   return also && text && !strcmp(text, also) ? PETSC_TRUE : PETSC_FALSE; /* no text: a rival was given */
 }
 
-/* The text of an option's number: that of its default where a word stands in its place. */
-static const char *NumberText(const MpmSettings *settings, const char name[])
-{
-  return MpmSettingsIsAlso(settings, name) ? MpmOptions[MpmOptionIndex(name)].fallback
-                                           : MpmSettingsText(settings, name);
-}
-
-#define MOST_PARTS (2 * MPM_MAX_DIM)
-
 /* Reads a decimal number. Blanks, hexadecimals, 'inf' and 'nan', which strtod accepts, are none. */
 static PetscBool IsReal(const char text[], PetscReal *value)
 {
@@ -189,7 +173,11 @@ static PetscBool IsReal(const char text[], PetscReal *value)
 
 /* ---- the text of one value ---- */
 
-static PetscErrorCode ParseInteger(const MpmSettings *settings, const char name[], const char text[], void *place)
+#define LONGEST 1024     /* characters of a name of a file, or of another text */
+#define SEPARATORS ", -" /* between two words: fixed,free or fixed-free */
+
+/* Compared as integers, since 2^53 and 2^53 + 1 are the same double. */
+static PetscErrorCode ParseLong(const MpmSettings *settings, const MpmField *option, const char text[], void *place)
 {
   PetscInt64 *value = place;
   char       *end;
@@ -197,15 +185,24 @@ static PetscErrorCode ParseInteger(const MpmSettings *settings, const char name[
   PetscFunctionBegin;
   errno  = 0;
   *value = strtoll(text, &end, 10);
-  if (!*text || *end || errno || strspn(text, "0123456789+-") != strlen(text) ||
-      !InWholeRange(&MpmOptions[MpmOptionIndex(name)], *value))
-    PetscCall(RefuseNumber(settings, name, "a whole number"));
+  if (!*text || *end || errno || strspn(text, "0123456789+-") != strlen(text) || *value < (PetscInt64)option->lo ||
+      *value > (PetscInt64)option->hi)
+    PetscCall(RefuseNumber(settings, option, "a whole number"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ParseReal(const MpmSettings *settings, const char name[], const char text[], void *place)
+static PetscErrorCode ParseCount(const MpmSettings *settings, const MpmField *option, const char text[], void *place)
 {
-  const MpmField *option   = &MpmOptions[MpmOptionIndex(name)];
+  PetscInt64 value;
+
+  PetscFunctionBegin;
+  PetscCall(ParseLong(settings, option, text, &value));
+  *(PetscInt *)place = (PetscInt)value;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ParseReal(const MpmSettings *settings, const MpmField *option, const char text[], void *place)
+{
   const PetscBool fraction = option->kind == MPM_FRACTION ? PETSC_TRUE : PETSC_FALSE;
   PetscReal      *value    = place;
   MpmFraction     exact    = {.value = 0};
@@ -214,21 +211,21 @@ static PetscErrorCode ParseReal(const MpmSettings *settings, const char name[], 
   PetscFunctionBegin;
   if (fraction) *value = exact.value;
   if (!ok || !InRange(option, *value))
-    PetscCall(RefuseNumber(settings, name, fraction ? "a finite number or fraction" : "a finite number"));
+    PetscCall(RefuseNumber(settings, option, fraction ? "a finite number or fraction" : "a finite number"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ParseFraction(const MpmSettings *settings, const char name[], const char text[], void *place)
+static PetscErrorCode ParseFraction(const MpmSettings *settings, const MpmField *option, const char text[], void *place)
 {
   MpmFraction *value = place;
 
   PetscFunctionBegin;
-  if (!MpmFractionParse(text, value) || !InRange(&MpmOptions[MpmOptionIndex(name)], value->value))
-    PetscCall(RefuseNumber(settings, name, "a finite number or a fraction such as 1/8"));
+  if (!MpmFractionParse(text, value) || !InRange(option, value->value))
+    PetscCall(RefuseNumber(settings, option, "a finite number or a fraction such as 1/8"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ParseRange(const MpmSettings *settings, const char name[], const char text[], void *place)
+static PetscErrorCode ParseRange(const MpmSettings *settings, const MpmField *option, const char text[], void *place)
 {
   PetscReal  *range = place;
   char        first[PART];
@@ -237,48 +234,42 @@ static PetscErrorCode ParseRange(const MpmSettings *settings, const char name[],
   PetscFunctionBegin;
   MpmSettingsRefuseIf(!NextPart(&rest, first) || !rest || !IsReal(first, &range[0]) || !IsReal(rest, &range[1]) ||
                           range[0] > range[1],
-                      settings, name, "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])");
+                      settings, option->name, "allowed: two finite numbers lo,hi with lo <= hi (in a scene: [lo, hi])");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define SEPARATORS ", -" /* between two words: fixed,free or fixed-free */
-
-/* Refuses a word that the option does not have, and names those it has. */
-static PetscErrorCode RefuseWord(const MpmSettings *settings, const char name[], const char text[])
+static PetscErrorCode FindWord(const MpmSettings *settings, const MpmField *option, const char text[], PetscInt *index)
 {
-  const PetscInt option = MpmOptionIndex(name);
-  const char    *words[32], *near;
+  const char    *words[32];
   MpmText        why = {NULL, 0};
   PetscInt       n   = 0;
   PetscErrorCode ierr;
 
   PetscFunctionBegin;
-  for (; MpmFieldWord(&MpmOptions[option], n); n++) words[n] = MpmFieldWord(&MpmOptions[option], n);
-  for (PetscInt i = 0; i < n; i++)
-    PetscCall(MpmTextAdd(&why, "%s%s", i == 0 ? "allowed: " : i == n - 1 ? " or " : ", ", words[i]));
-  near = n > 1 ? MpmSuggest(text, n, words) : NULL;
-  if (MpmWordCalledHere(name, text))
-    PetscCall(MpmTextAdd(&why, "; here it is %s", MpmWordCalledHere(name, text)));
-  else if (near)
-    PetscCall(MpmTextAdd(&why, "; did you mean %s?", near));
-  ierr = MpmSettingsRefuse(settings, name, "%s", why.text);
+  for (*index = 0; MpmFieldWord(option, *index); ++*index)
+    if (!strcasecmp(MpmFieldWord(option, *index), text)) PetscFunctionReturn(PETSC_SUCCESS);
+  for (; MpmFieldWord(option, n); n++) words[n] = MpmFieldWord(option, n);
+  PetscCall(MpmTextAdd(&why, "allowed: "));
+  PetscCall(MpmSuggestAdd(&why, n > 1 && !MpmWordCalledHere(option->name, text) ? text : NULL, n, words));
+  if (MpmWordCalledHere(option->name, text))
+    PetscCall(MpmTextAdd(&why, "; here it is %s", MpmWordCalledHere(option->name, text)));
+  ierr = MpmSettingsRefuse(settings, option->name, "%s", why.text);
   MpmTextFree(&why);
   PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode FindWord(const MpmSettings *settings, const char name[], const char text[], PetscInt *index)
+static PetscErrorCode ParseWord(const MpmSettings *settings, const MpmField *option, const char text[], void *place)
 {
-  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
+  PetscInt index;
 
   PetscFunctionBegin;
-  for (*index = 0; MpmFieldWord(option, *index); ++*index)
-    if (!strcasecmp(MpmFieldWord(option, *index), text)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(RefuseWord(settings, name, text));
+  PetscCall(FindWord(settings, option, text, &index));
+  *(int *)place = (int)index;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ParseEnds(const MpmSettings *settings, const char name[], const char text[], void *place)
+static PetscErrorCode ParseEnds(const MpmSettings *settings, const MpmField *option, const char text[], void *place)
 {
   const size_t ends  = strcspn(text, SEPARATORS);
   const char  *rest  = text + ends + strspn(text + ends, SEPARATORS);
@@ -287,12 +278,12 @@ static PetscErrorCode ParseEnds(const MpmSettings *settings, const char name[], 
 
   PetscFunctionBegin;
   (void)snprintf(first, PetscMin(ends + 1, sizeof first), "%s", text);
-  PetscCall(FindWord(settings, name, first, &index[0]));
-  PetscCall(FindWord(settings, name, text[ends] ? rest : first, &index[1]));
+  PetscCall(FindWord(settings, option, first, &index[0]));
+  PetscCall(FindWord(settings, option, text[ends] ? rest : first, &index[1]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ParseSwitch(const MpmSettings *settings, const char name[], const char text[], void *place)
+static PetscErrorCode ParseSwitch(const MpmSettings *settings, const MpmField *option, const char text[], void *place)
 {
   static const char *const words[] = {"", "true", "True", "yes", "on", "1", "false", "False", "no", "off", "0"};
   const size_t             yes     = 6; /* of these words */
@@ -303,94 +294,79 @@ static PetscErrorCode ParseSwitch(const MpmSettings *settings, const char name[]
     *(PetscBool *)place = i < yes ? PETSC_TRUE : PETSC_FALSE;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmSettingsRefuse(settings, name, "allowed: true or false"));
+  PetscCall(MpmSettingsRefuse(settings, option->name, "allowed: true or false"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode ParseText(const MpmSettings *settings, const MpmField *option, const char text[], void *place)
+{
+  const PetscBool file = option->file == MPM_FILE_NONE ? PETSC_FALSE : PETSC_TRUE;
+
+  PetscFunctionBegin;
+  MpmSettingsRefuseIf(!*text, settings, option->name, "allowed: %s",
+                      file ? "the name of a file" : "a text that is not empty");
+  MpmSettingsRefuseIf(strlen(text) >= LONGEST, settings, option->name, "allowed: a shorter %s", file ? "name" : "text");
+  (void)snprintf(place, LONGEST, "%s", text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode (*const parse[])(const MpmSettings *, const MpmField *, const char[], void *) = {
+    [MPM_AS_TEXT] = ParseText, [MPM_AS_COUNT] = ParseCount,       [MPM_AS_LONG] = ParseLong,
+    [MPM_AS_REAL] = ParseReal, [MPM_AS_FRACTION] = ParseFraction, [MPM_AS_RANGE] = ParseRange,
+    [MPM_AS_ENDS] = ParseEnds, [MPM_AS_WORD] = ParseWord,         [MPM_AS_SWITCH] = ParseSwitch};
+
 /* ---- values for each direction ---- */
+
+#define MOST_PARTS (2 * MPM_MAX_DIM)
 
 /*
    Cuts the text of an option at its commas into dim groups of so many parts each. One group stands for all directions.
    In one dimension the only group is the whole text, with whatever commas it has. room is memory for the groups.
 */
-static PetscErrorCode Cut(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt parts,
+static PetscErrorCode Cut(const MpmSettings *settings, const MpmField *option, PetscInt dim, PetscInt parts,
                           char room[MPM_MAX_DIM][2 * PART], const char *group[MPM_MAX_DIM])
 {
-  const char *text                   = NumberText(settings, name);
-  char        part[MOST_PARTS][PART] = {{0}};
-  PetscInt    n                      = 0;
-  PetscBool   fits                   = PETSC_TRUE;
+  /* where a word stands in the place of the number, the number is that of the default */
+  const char *text =
+      MpmSettingsIsAlso(settings, option->name) ? option->fallback : MpmSettingsText(settings, option->name);
+  char      part[MOST_PARTS][PART] = {{0}};
+  PetscInt  n                      = 0;
+  PetscBool fits                   = PETSC_TRUE;
 
   PetscFunctionBegin;
-  if (dim == 1) {
-    group[0] = text;
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  group[0] = text;
+  if (dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
   while (text && fits) fits = n < MOST_PARTS && NextPart(&text, part[n++]) ? PETSC_TRUE : PETSC_FALSE;
-  if (!fits || (n != parts && n != parts * dim)) {
-    PetscCall(MpmSettingsRefuse(
-        settings, name, "allowed: %s for all directions, or %" PetscInt_FMT " with commas between them, for %s",
-        parts == 2 ? "two values" : "one value", parts * dim, dim == 2 ? "x and y" : "x, y and z"));
-  }
+  MpmSettingsRefuseIf(!fits || (n != parts && n != parts * dim), settings, option->name,
+                      "allowed: %s for all directions, or %" PetscInt_FMT " with commas between them, for %s",
+                      parts == 2 ? "two values" : "one value", parts * dim, dim == 2 ? "x and y" : "x, y and z");
   for (PetscInt a = 0; a < dim; a++) {
     const PetscInt at = n == parts ? 0 : parts * a;
 
-    if (parts == 2)
-      PetscCall(PetscSNPrintf(room[a], 2 * PART, "%s,%s", part[at], part[at + 1]));
-    else
-      PetscCall(PetscSNPrintf(room[a], 2 * PART, "%s", part[at]));
+    (void)snprintf(room[a], 2 * PART, parts == 2 ? "%s,%s" : "%s", part[at], part[at + parts - 1]);
     group[a] = room[a];
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Reads the values of dim directions, each of so many parts with commas between them, to places so many bytes apart. */
-static PetscErrorCode Each(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt parts,
-                           PetscErrorCode (*parse)(const MpmSettings *, const char[], const char[], void *),
-                           size_t stride, void *values)
+PetscErrorCode MpmSettingsRead(const MpmSettings *settings, const char name[], MpmValueKind kind, PetscInt dim,
+                               size_t stride, void *values)
 {
-  char        room[MPM_MAX_DIM][2 * PART];
-  const char *text[MPM_MAX_DIM];
+  const MpmField *option = &MpmOptions[MpmOptionIndex(name)];
+  char            room[MPM_MAX_DIM][2 * PART];
+  const char     *text[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  PetscCall(Cut(settings, name, dim, parts, room, text));
-  for (PetscInt a = 0; a < dim; a++) PetscCall(parse(settings, name, text[a], (char *)values + (size_t)a * stride));
+  PetscCheck(parse[kind], PETSC_COMM_SELF, PETSC_ERR_PLIB, "option %s is read by hand", name);
+  PetscCall(Cut(settings, option, dim, kind == MPM_AS_RANGE ? 2 : 1, room, text));
+  for (PetscInt a = 0; a < dim; a++)
+    PetscCall(parse[kind](settings, option, text[a], (char *)values + (size_t)a * stride));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSettingsIntegers(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt64 value[])
-{
-  return Each(settings, name, dim, 1, ParseInteger, sizeof *value, value);
-}
-
-PetscErrorCode MpmSettingsReal(const MpmSettings *settings, const char name[], PetscReal *value)
-{
-  return Each(settings, name, 1, 1, ParseReal, 0, value);
-}
-
-PetscErrorCode MpmSettingsFractions(const MpmSettings *settings, const char name[], PetscInt dim, MpmFraction value[])
-{
-  return Each(settings, name, dim, 1, ParseFraction, sizeof *value, value);
-}
-
-PetscErrorCode MpmSettingsRanges(const MpmSettings *settings, const char name[], PetscInt dim, PetscReal range[][2])
-{
-  return Each(settings, name, dim, 2, ParseRange, sizeof *range, range);
-}
-
-PetscErrorCode MpmSettingsEnds(const MpmSettings *settings, const char name[], PetscInt dim, PetscInt index[][2])
-{
-  return Each(settings, name, dim, 1, ParseEnds, sizeof *index, index);
-}
-
-PetscErrorCode MpmSettingsSwitch(const MpmSettings *settings, const char name[], PetscBool *value)
-{
-  return ParseSwitch(settings, name, MpmSettingsText(settings, name), value);
 }
 
 PetscErrorCode MpmSettingsWord(const MpmSettings *settings, const char name[], PetscInt *index)
 {
-  return FindWord(settings, name, MpmSettingsText(settings, name), index);
+  return FindWord(settings, &MpmOptions[MpmOptionIndex(name)], MpmSettingsText(settings, name), index);
 }
 
 /* A word more than once counts once. */
@@ -405,7 +381,7 @@ PetscErrorCode MpmSettingsWords(const MpmSettings *settings, const char name[], 
   PetscFunctionBegin;
   for (*n = 0; text;) {
     (void)NextPart(&text, word);
-    PetscCall(FindWord(settings, name, word, &found));
+    PetscCall(FindWord(settings, &MpmOptions[MpmOptionIndex(name)], word, &found));
     known = PETSC_FALSE;
     for (PetscInt i = 0; i < *n; i++)
       if (index[i] == found) known = PETSC_TRUE;
@@ -473,64 +449,7 @@ PetscErrorCode MpmSettingsReals(const MpmSettings *settings, const char name[], 
   PetscFunctionBegin;
   for (*n = 0; text;)
     if (!NextPart(&text, part) || *n == room || !IsReal(part, &list[*n]) || !InRange(option, list[(*n)++]))
-      PetscCall(RefuseNumber(settings, name, "finite numbers"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-#define LONGEST 1024 /* characters of a name of a file, or of another text */
-
-PetscErrorCode MpmSettingsPath(const MpmSettings *settings, const char name[], const char **path)
-{
-  const PetscInt i    = MpmOptionIndex(name);
-  const char    *what = MpmOptions[i].file == MPM_FILE_NONE ? "text" : "name";
-
-  PetscFunctionBegin;
-  *path = settings->text[i];
-  MpmSettingsRefuseIf(*path && !**path, settings, name, "allowed: %s",
-                      *what == 't' ? "a text that is not empty" : "the name of a file");
-  MpmSettingsRefuseIf(*path && strlen(*path) >= LONGEST, settings, name, "allowed: a shorter %s", what);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Reads the values of an option into the places where they are kept. */
-static PetscErrorCode ReadField(const MpmSettings *settings, const MpmField *field, PetscInt dim, char *place)
-{
-  PetscInt64  whole[MPM_MAX_DIM];
-  PetscInt    word;
-  const char *text;
-
-  PetscFunctionBegin;
-  switch (field->value) {
-  case MPM_AS_TEXT:
-    PetscCall(MpmSettingsPath(settings, field->name, &text));
-    (void)snprintf(place, LONGEST, "%s", text);
-    break;
-  case MPM_AS_COUNT:
-    PetscCall(MpmSettingsIntegers(settings, field->name, dim, whole));
-    for (PetscInt a = 0; a < dim; a++) *(PetscInt *)(void *)(place + (size_t)a * field->each) = (PetscInt)whole[a];
-    break;
-  case MPM_AS_LONG:
-    PetscCall(MpmSettingsIntegers(settings, field->name, 1, (PetscInt64 *)(void *)place));
-    break;
-  case MPM_AS_REAL:
-    PetscCall(Each(settings, field->name, dim, 1, ParseReal, field->each, place));
-    break;
-  case MPM_AS_FRACTION:
-    PetscCall(Each(settings, field->name, dim, 1, ParseFraction, field->each, place));
-    break;
-  case MPM_AS_RANGE:
-    PetscCall(Each(settings, field->name, dim, 2, ParseRange, field->each, place));
-    break;
-  case MPM_AS_SWITCH:
-    PetscCall(MpmSettingsSwitch(settings, field->name, (PetscBool *)(void *)place));
-    break;
-  case MPM_AS_WORD:
-    PetscCall(MpmSettingsWord(settings, field->name, &word));
-    *(int *)(void *)place = (int)word;
-    break;
-  default:
-    SETERRQ(PETSC_COMM_SELF, PETSC_ERR_PLIB, "field %s is read by hand", field->name);
-  }
+      PetscCall(RefuseNumber(settings, option, "finite numbers"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -542,7 +461,8 @@ PetscErrorCode MpmSettingsReadFields(const MpmSettings *settings, MpmOwner owner
 
     if (field->value == MPM_NO_VALUE || field->by_hand || field->owner != owner || !settings->text[i]) continue;
     if (field->value == MPM_AS_TEXT && !MpmFieldIsOf(field, ((const MpmRequest *)object)->task)) continue;
-    PetscCall(ReadField(settings, field, field->each ? *dim : 1, (char *)object + field->at));
+    PetscCall(MpmSettingsRead(settings, field->name, field->value, field->each ? *dim : 1, field->each,
+                              (char *)object + field->at));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

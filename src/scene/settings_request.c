@@ -265,11 +265,11 @@ static PetscErrorCode ReadKinds(const MpmSettings *settings, MpmAxis axes[2])
   for (int a = 0; a < 2; a++)
     axes[a].parameter = settings->scheme ? MpmWrittenFindParameter(settings->scheme, axes[a].name) : MPM_NONE;
   if (axes[0].parameter == MPM_NONE && axes[1].parameter == MPM_NONE) {
-    PetscInt kinds[1][2];
+    PetscInt kinds[2];
 
-    PetscCall(MpmSettingsEnds(settings, "map_axes", 1, kinds));
-    for (int a = 0; a < 2; a++) (void)snprintf(axes[a].name, sizeof axes[a].name, "%s", MpmAxisNames[kinds[0][a]]);
-    two = kinds[0][0] != kinds[0][1] ? PETSC_TRUE : PETSC_FALSE;
+    PetscCall(MpmSettingsRead(settings, "map_axes", MPM_AS_ENDS, 1, 0, kinds));
+    for (int a = 0; a < 2; a++) (void)snprintf(axes[a].name, sizeof axes[a].name, "%s", MpmAxisNames[kinds[a]]);
+    two = kinds[0] != kinds[1] ? PETSC_TRUE : PETSC_FALSE;
   }
   for (int a = 0; a < 2; a++) {
     PetscInt kind = 0;
@@ -334,10 +334,10 @@ static PetscErrorCode CheckSpans(const MpmSettings *settings, const MpmRequest *
   PetscFunctionBegin;
   for (PetscInt i = 0; settings->scheme && i < settings->scheme->nparameters; i++) {
     (void)snprintf(span, sizeof span, "map_%s", settings->scheme->parameters[i].name.text);
-    MpmSettingsRefuseIf(MpmSettingsSource(settings, span) == MPM_FROM_COMMAND_LINE &&
-                            !(Is(request, "map") &&
-                              (request->axes[0].parameter == i || request->axes[1].parameter == i)),
-                        settings, span, "allowed: with task map, where map_axes names the parameter");
+    MpmSettingsRefuseIf(
+        MpmSettingsSource(settings, span) == MPM_FROM_COMMAND_LINE &&
+            !(Is(request, "map") && (request->axes[0].parameter == i || request->axes[1].parameter == i)),
+        settings, span, "allowed: with task map, where map_axes names the parameter");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

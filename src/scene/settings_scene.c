@@ -95,12 +95,12 @@ static PetscErrorCode Choose(MpmSettings *settings)
 /* Finds the scheme that counts; none when a formulation is named instead. */
 static PetscErrorCode Load(MpmSettings *settings)
 {
-  const char *path;
+  char path[PETSC_MAX_PATH_LEN];
 
   PetscFunctionBegin;
   settings->scheme = NULL;
   if (!MpmSettingsGiven(settings, "scheme")) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsPath(settings, "scheme", &path));
+  PetscCall(MpmSettingsRead(settings, "scheme", MPM_AS_TEXT, 1, 0, path));
   if (settings->inside && MpmSettingsSource(settings, "scheme") == MPM_FROM_SCENE) {
     settings->scheme = settings->inside;
     PetscCall(Choose(settings));
@@ -282,7 +282,7 @@ static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], const cha
 static PetscErrorCode AddParameter(yaml_document_t *document, const yaml_node_t *value, MpmText *text)
 {
   const yaml_node_item_t *item = value->data.sequence.items.start;
-  const char             *lo   = Scalar(value), *hi = NULL;
+  const char             *lo = Scalar(value), *hi = NULL;
 
   PetscFunctionBegin;
   if (value->type == YAML_SEQUENCE_NODE && value->data.sequence.items.top - item == 2) {
@@ -328,7 +328,7 @@ static PetscErrorCode AddValue(const MpmSettings *settings, yaml_document_t *doc
   const MpmOptionKind     kind = MpmOptions[option].kind;
   const char             *key = MpmOptions[option].name, *part = Scalar(value);
   const yaml_node_item_t *item = NULL, *end = NULL;
-  const PetscBool         two   = kind == MPM_RANGE || kind == MPM_SPAN || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool         two = kind == MPM_RANGE || kind == MPM_SPAN || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
   const PetscBool         many =
       kind == MPM_LIST || kind == MPM_WORDS || MpmOptions[option].each || kind == MPM_ENDS ? PETSC_TRUE : PETSC_FALSE;
 

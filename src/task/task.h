@@ -39,13 +39,11 @@ PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscR
 
 /*
    Collective. MpmPrintUsage describes the program in ten lines, and MpmPrintHelp a task: an example, and the options
-   that it reads. MpmPrintHelp refuses a name that is no task's. MpmPrintVersion prints name and version. MpmTaskNames
-   gives the names of all tasks as a text for people.
+   that it reads. MpmPrintHelp refuses a name that is no task's. MpmPrintVersion prints name and version.
 */
 void           MpmPrintUsage(void);
 void           MpmPrintVersion(void);
 PetscErrorCode MpmPrintHelp(const char task[]);
-void           MpmTaskNames(size_t room, char text[]);
 
 /* Collective. The work of each task, in its file. */
 PetscErrorCode MpmTaskList(int argc, char **argv);

@@ -15,11 +15,6 @@
 #include <string.h>
 #include <strings.h>
 
-static PetscBool TakesFile(const MpmField *o)
-{
-  return o->kind == MPM_PATH ? PETSC_TRUE : PETSC_FALSE;
-}
-
 static void PrintWords(const MpmField *o)
 {
   for (PetscInt i = 0; MpmFieldWord(o, i); i++) MpmPrint("%s%s", i ? " " : "", MpmFieldWord(o, i));
@@ -36,7 +31,7 @@ static void PrintBash(void)
   MpmPrint("help version' -- \"$cur\")); return; fi\n"
            "  case $prev in\n");
   for (const MpmField *o = MpmOptions; o->name; o++) {
-    if (TakesFile(o)) MpmPrint("    -%s) COMPREPLY=($(compgen -f -- \"$cur\")); return ;;\n", o->name);
+    if (o->kind == MPM_PATH) MpmPrint("    -%s) COMPREPLY=($(compgen -f -- \"$cur\")); return ;;\n", o->name);
     if (!MpmFieldWord(o, 0)) continue;
     MpmPrint("    -%s) COMPREPLY=($(compgen -W '", o->name);
     PrintWords(o);
@@ -79,24 +74,16 @@ static void PrintZsh(void)
     MpmPrint("  '-%s[", o->name);
     PrintHelpOf(o);
     MpmPrint("]");
-    if (TakesFile(o)) MpmPrint(":file:_files");
+    if (o->kind == MPM_PATH) MpmPrint(":file:_files");
     if (MpmFieldWord(o, 0)) {
       MpmPrint(":word:(");
       PrintWords(o);
       MpmPrint(")");
-    } else if (!TakesFile(o) && o->kind != MPM_SWITCH)
+    } else if (o->kind != MPM_PATH && o->kind != MPM_SWITCH)
       MpmPrint(":value: ");
     MpmPrint("' \\\n");
   }
   MpmPrint("  '*:scene:_files -g \"*.y(a|)ml\"'\n");
-}
-
-static void PrintCompletion(PetscBool zsh)
-{
-  if (zsh)
-    PrintZsh();
-  else
-    PrintBash();
 }
 
 /* ---- the man page. Source of the macros: man(7) ---- */
@@ -304,15 +291,14 @@ LIST(ListFormulations, MpmFormulations)
 LIST(ListBases, MpmBases)
 LIST(ListTransfers, MpmTransfers)
 
-/* Refuses a name that a list does not have. names: those it has. */
-static PetscErrorCode RefuseName(const char list[], const char name[], PetscInt n, const char *const names[])
-{
-  const char *near = MpmSuggest(name, n, names);
-
-  PetscFunctionBegin;
-  MpmRefuse("list %s %.200s: allowed: a name that 'mpmstab list %s' prints%s%s%s", list, name, list,
-            near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
-}
+/* Refuses a word that is none of a list. */
+#define REFUSE_NAME(what, word, list)                                                                                  \
+  do {                                                                                                                 \
+    const char *names[64];                                                                                             \
+    PetscInt    n = 0;                                                                                                 \
+    for (; list[n]; n++) names[n] = list[n]->name;                                                                     \
+    PetscCall(MpmSuggestRefuse(word, n, names, "list " what " %.200s: allowed: ", word));                              \
+  } while (0)
 
 static PetscErrorCode PrintWritten(MpmWritten *written)
 {
@@ -334,13 +320,10 @@ static PetscErrorCode ListOneFormulation(const char name[])
 
   const MpmFormulation *formulation = MpmFormulationFind(name);
   MpmTable             *table;
-  const char           *names[64];
   MpmWritten           *written;
-  PetscInt              n = 0;
 
   PetscFunctionBegin;
-  for (; MpmFormulations[n]; n++) names[n] = MpmFormulations[n]->name;
-  if (!formulation) PetscCall(RefuseName("formulation", name, n, names));
+  if (!formulation) REFUSE_NAME("formulation", name, MpmFormulations);
   PetscCall(MpmWrittenFromFormulation(formulation, NULL, NULL, &written));
   PetscCall(PrintWritten(written));
   PetscCall(MpmTableCreate(formulation, MpmTransferFind("flip"), &numbers, &space, &table));
@@ -353,15 +336,13 @@ static PetscErrorCode ListOneFormulation(const char name[])
 static PetscErrorCode ListOneTransfer(const char name[], const char value[])
 {
   const MpmTransfer *transfer = MpmTransferFind(name);
-  const char        *names[64], *text = value;
-  MpmSchemeNumbers   numbers = {.order = 1};
+  const char        *text     = value;
+  MpmSchemeNumbers   numbers  = {.order = 1};
   MpmWritten        *written;
-  PetscInt           n = 0;
   char              *end;
 
   PetscFunctionBegin;
-  for (; MpmTransfers[n]; n++) names[n] = MpmTransfers[n]->name;
-  if (!transfer) PetscCall(RefuseName("transfer", name, n, names));
+  if (!transfer) REFUSE_NAME("transfer", name, MpmTransfers);
   MpmCheckInput(!value || transfer->option, "list transfer %s %.100s: it has no number; allowed: the name alone", name,
                 value);
   if (transfer->option) {
@@ -388,19 +369,15 @@ static PetscErrorCode ListBoundaries(void)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ListLayouts(void)
-{
-  PetscFunctionBegin;
-  MpmPrint("  %-14s equally spaced from offset, displaced by jitter (hashed from the particle's id), within fill and "
-           "cluster, ppc or counts in a cell\n",
-           "uniform");
-  MpmPrint("  %-14s anywhere in the grid, hashed from the particle's id and seed\n", "random");
-  MpmPrint(
-      "  %-14s a CSV file: a header x[,y,z] and of volume, mass, young, poisson what there is; then a line for each "
-      "particle\n",
-      "FILE");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const char layouts[] =
+    "  uniform        particles at equal distances, ppc of them (or counts) in a cell, from offset on. jitter "
+    "displaces\n"
+    "                 each at random, by a hash of its id. fill and cluster leave a part of the grid, or of each "
+    "cell,\n"
+    "                 empty\n"
+    "  random         particles anywhere in the grid. Each place is a hash of the particle's id and of seed\n"
+    "  FILE           a CSV file. Its first line names the columns: x, y and z, and those of volume, mass, young,\n"
+    "                 poisson and fixed that you have. Each line after it is a particle. Or the HDF5 file of a run\n";
 
 static PetscErrorCode ListColliders(void)
 {
@@ -417,8 +394,8 @@ static PetscErrorCode ListColliders(void)
              MpmContacts[i]->rubs     ? "; key friction"
              : MpmContacts[i]->pushes ? "; key stiffness"
                                       : "");
-  MpmPrint(
-      "  all: key velocity, with kinematics finite. Bodies of particles (bodies) have the shapes, too, and file\n");
+  MpmPrint("  With kinematics finite each collider may have the key velocity, too.\n"
+           "  The option bodies takes the same shapes for bodies of particles; theirs may also be file.\n");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -493,56 +470,44 @@ static PetscErrorCode ListCodes(void)
 }
 
 /* What is answered. README has the same. */
-static PetscErrorCode ListScope(void)
-{
-  PetscFunctionBegin;
-  MpmPrint("  %-14s linear steps: growth, limits, waves and modes of lattices and of any layout up to a size\n",
-           "exactly");
-  MpmPrint("  %-14s linear steps about a stretched state, or with colliders that stick or slip; tangents of a run's "
-           "states\n",
-           "");
-  MpmPrint(
-      "  %-14s runs at finite strain, also of metal, snow, sand, clay and liquids that flow: their energy and error; "
-      "growth in a "
-      "run is measured and not proved\n",
-      "by marching");
-  MpmPrint("  %-14s damping of the grid and viscosity, in steps, limits and runs; colliders of contact penalty and "
-           "local damping in runs\n",
-           "");
-  MpmPrint("  %-14s contact of several velocity fields, fracture, heat, graphics processors\n", "not at all");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
+static const char scope[] =
+    "  exactly        linear steps: growth, limits, waves and modes of lattices and of any layout up to a size\n"
+    "                 linear steps about a stretched state, or with colliders that stick or slip; tangents of a run's "
+    "states\n"
+    "  by marching    runs at finite strain, also of metal, snow, sand, clay and liquids that flow: their energy and "
+    "error; growth in a run is measured and not proved\n"
+    "                 damping of the grid and viscosity, in steps, limits and runs; colliders of contact penalty and "
+    "local damping in runs\n"
+    "  not at all     contact of several velocity fields, fracture, heat, graphics processors\n";
 
-/* on_request: 'list' alone leaves it out, since it is longer than all others together */
+/* on_request: 'list' alone leaves it out, since it is longer than all others together; text: the list, or a function. */
 static const struct {
-  const char *name, *title;
+  const char *name, *plural, *title, *text;
   PetscErrorCode (*list)(void);
   PetscBool on_request;
 } lists[] = {
-    {"formulation", "formulations", ListFormulations, PETSC_FALSE},
-    {"basis", "bases", ListBases, PETSC_FALSE},
-    {"transfer", "transfers", ListTransfers, PETSC_FALSE},
-    {"boundary", "ends of the domain", ListBoundaries, PETSC_FALSE},
-    {"layout", "layouts", ListLayouts, PETSC_FALSE},
-    {"collider", "colliders", ListColliders, PETSC_FALSE},
-    {"options", "options, as -option value or as keys of a scene: name, default, meaning", ListOptions, PETSC_FALSE},
-    {"versions", "versions", ListVersions, PETSC_FALSE},
-    {"scope", "what is answered", ListScope, PETSC_FALSE},
-    {"codes",
+    {"formulation", "formulations", "formulations", NULL, ListFormulations, PETSC_FALSE},
+    {"basis", "bases", "bases", NULL, ListBases, PETSC_FALSE},
+    {"transfer", "transfers", "transfers", NULL, ListTransfers, PETSC_FALSE},
+    {"boundary", "boundaries", "ends of the domain", NULL, ListBoundaries, PETSC_FALSE},
+    {"layout", "layouts", "layouts", layouts, NULL, PETSC_FALSE},
+    {"collider", "colliders", "colliders", NULL, ListColliders, PETSC_FALSE},
+    {"options", "option", "options, as -option value or as keys of a scene: name, default, meaning", NULL, ListOptions,
+     PETSC_FALSE},
+    {"versions", "version", "versions", NULL, ListVersions, PETSC_FALSE},
+    {"scope", "scopes", "what is answered", scope, NULL, PETSC_FALSE},
+    {"codes", "code",
      "public codes: for each option of a code, the options of this program that make the same scheme, and the\n"
      "file that says so. 'by default' has the code's damping, viscosity and time step, with file and line at this\n"
      "commit; a file without a line was searched and has none, or sets the variable that is named. 'limit' is the\n"
      "largest stable c dt / h of what runs by default, in one dimension with two particles a cell at rest, and the\n"
      "command that prints it. Each code says whether it was run here, or only read",
-     ListCodes, PETSC_TRUE}};
+     NULL, ListCodes, PETSC_TRUE}};
 
 /* A list by its name, or by its plural as in 'list formulations'. */
 static PetscBool IsCalled(const char word[], size_t i)
 {
-  static const char *const plurals[] = {"formulations", "bases",  "transfers", "boundaries", "layouts",
-                                        "colliders",    "option", "version",   "scopes",     "code"};
-
-  return !strcasecmp(word, lists[i].name) || !strcasecmp(word, plurals[i]) ? PETSC_TRUE : PETSC_FALSE;
+  return !strcasecmp(word, lists[i].name) || !strcasecmp(word, lists[i].plural) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Texts that are installed. They are for other programs, and messages leave them out. */
@@ -555,7 +520,7 @@ static PetscErrorCode PrintInstalled(const char word[], PetscBool *found)
   else if (!strcmp(word, "man"))
     PrintManual();
   else if (!strcmp(word, "completion-bash") || !strcmp(word, "completion-zsh"))
-    PrintCompletion(word[11] == 'z' ? PETSC_TRUE : PETSC_FALSE);
+    (word[11] == 'z' ? PrintZsh : PrintBash)();
   else
     *found = PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -565,7 +530,6 @@ PetscErrorCode MpmTaskList(int argc, char **argv)
 {
   const char *names[PETSC_STATIC_ARRAY_LENGTH(lists)];
   PetscBool   found = PETSC_FALSE;
-  const char *near;
 
   PetscFunctionBegin;
   if (argc == 1) PetscCall(PrintInstalled(argv[0], &found));
@@ -588,14 +552,13 @@ PetscErrorCode MpmTaskList(int argc, char **argv)
     if (argc == 0 && lists[i].on_request) continue;
     found = PETSC_TRUE;
     MpmPrint("%s\n", lists[i].title);
-    PetscCall(lists[i].list());
+    if (lists[i].text)
+      MpmPrint("%s", lists[i].text);
+    else
+      PetscCall(lists[i].list());
   }
   if (argc == 0) MpmPrint("public codes: mpmstab list codes\n");
-  if (!found) {
-    near = MpmSuggest(argv[0], PETSC_STATIC_ARRAY_LENGTH(lists), names);
-    MpmRefuse("list %s: allowed: formulation, basis, transfer, boundary, layout, collider, options, versions, scope or "
-              "codes%s%s%s",
-              argv[0], near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
-  }
+  if (!found)
+    PetscCall(MpmSuggestRefuse(argv[0], PETSC_STATIC_ARRAY_LENGTH(lists), names, "list %s: allowed: ", argv[0]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

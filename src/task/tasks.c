@@ -242,29 +242,15 @@ static void PrintOptions(const char task[], PetscBool own)
       MpmPrint("  -%-17s %-11s %s\n", o->name, o->fallback ? o->fallback : "", o->help);
 }
 
-void MpmTaskNames(size_t room, char text[])
-{
-  text[0] = '\0';
-  for (const MpmTask *task = MpmTasks; task->name; task++) {
-    if (task > MpmTasks) MpmTextJoin(text, task[1].name ? ", " : " or ", room);
-    MpmTextJoin(text, task->name, room);
-  }
-}
-
 PetscErrorCode MpmPrintHelp(const char name[])
 {
-  char           known[128];
-  const char    *names[16], *near;
-  const MpmTask *task = MpmTasks;
+  const char    *names[16];
+  const MpmTask *task = TaskOf(name);
   PetscInt       n    = 0;
 
   PetscFunctionBegin;
   for (; MpmTasks[n].name; n++) names[n] = MpmTasks[n].name;
-  near = MpmSuggest(name, n, names);
-  while (task->name && strcasecmp(task->name, name)) task++;
-  MpmTaskNames(sizeof known, known);
-  MpmCheckInput(task->name, "help %.200s: allowed: %s%s%s%s", name, known, near ? "; did you mean " : "",
-                near ? near : "", near ? "?" : "");
+  if (!task) PetscCall(MpmSuggestRefuse(name, n, names, "help %.200s: allowed: ", name));
   MpmPrint("mpmstab %s: %s\n  for example: mpmstab %s\n", task->name, task->summary, task->example);
   if (task->words) {
     MpmPrint("  mpmstab %s %s\n", task->name, task->usage);
@@ -280,22 +266,19 @@ PetscErrorCode MpmPrintHelp(const char name[])
 /* Prints an adapter for the user's code, with five places to fill in. */
 PetscErrorCode MpmTaskAdapter(int argc, char **argv)
 {
-  char        known[128] = "";
-  const char *names[16], *near;
+  const char *names[16];
   PetscInt    n = 0;
 
   PetscFunctionBegin;
   for (; MpmAdapterTexts[n].name; n++) {
     names[n] = MpmAdapterTexts[n].name;
-    if (n) MpmTextJoin(known, MpmAdapterTexts[n + 1].name ? ", " : " or ", sizeof known);
-    MpmTextJoin(known, names[n], sizeof known);
     if (argc != 1 || strcmp(argv[0], names[n])) continue;
     MpmPrint("%s", MpmAdapterTexts[n].text);
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  near = argc == 1 ? MpmSuggest(argv[0], n, names) : NULL;
-  MpmRefuse("adapter%s%.200s: allowed: one word: %s%s%s%s", argc ? " " : "", argc ? argv[argc > 1] : "", known,
-            near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
+  PetscCall(MpmSuggestRefuse(argc == 1 ? argv[0] : NULL, n, names,
+                             "adapter%s%.200s: allowed: one word: ", argc ? " " : "", argc ? argv[argc > 1] : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
