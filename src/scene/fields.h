@@ -54,56 +54,34 @@ typedef enum { MPM_FILE_NONE, MPM_FILE_READ, MPM_FILE_WRITTEN } MpmFileUse;
 
 /*S
    MpmField - one field of a scene or of a request.
-
-   name       - of the option, which is also the key in a scene file, and of the value in records
-   kind       - how the option is given
-   fallback   - its default as text, NULL: none
-   help       - its meaning, as 'mpmstab list options' prints it
-   lo, hi     - bounds of a number; lo itself is out when lo_open
-   words      - the words that are allowed, NULL after the last; word(i): the same as a function
-   also       - a word that may stand in the place of a number, or NULL; where a number is needed, it is the default
-                then
-   rival      - an option that says the same in another way, so that giving both is an error; several with commas
-   tasks      - those that read it (NULL: all); the others refuse it on the command line
-   value      - how its value is kept, MPM_NO_VALUE if other fields follow from it
-   owner, at  - where: the offset in its owner. A text is what the function text says, or is there itself
-   of_matrix  - the option is also read where a matrix from a file takes the place of the scene
-   with       - the sources that it needs one of, as in "program or plugin"; NULL: it stands without them
-   each       - of a value for each direction: the distance in bytes from one direction's place to the next one's. 0: it
-                has one value
-   numbers    - how many values it has, where that is not one for each direction: the components of a stress
-   by_hand    - the value is not read from the option as it stands, but by the code that makes its owner
-   real       - records have the whole number as a double, as they have all numbers of transfers
-   place      - for each record its place among those that are shown there, from 1; 0: it is not shown
-   shown      - whether a record of this scene shows it (NULL: always)
-   json       - its key there when that is not its name; 'object.key' is a key inside an object
-   exact      - headings show the fraction as such
-   file       - what is done with the file that it names; endings: of one that is written, what its name may end in
-                where a scene gives it, as in ".h5 or .hdf5"
-   no_key     - the option stands on the command line only
 S*/
 typedef struct {
-  const char        *name;
-  MpmOptionKind      kind;
-  const char        *fallback, *help;
-  PetscReal          lo, hi;
-  PetscBool          lo_open;
-  const char *const *words;
-  const char *(*word)(PetscInt i);
-  const char  *also;
-  const char  *rival, *tasks, *with;
-  MpmValueKind value;
-  MpmOwner     owner;
-  size_t       at, each;
-  PetscInt (*numbers)(const MpmScene *scene);
-  PetscBool by_hand, real, of_matrix;
-  const char *(*text)(const MpmScene *scene);
-  int place[MPM_RECORDS];
-  PetscBool (*shown)(const MpmScene *scene, MpmRecord record);
-  const char *json;
-  PetscBool   exact, no_key;
-  MpmFileUse  file;
-  const char *endings;
+  const char   *name;            /* of the option, which is also the key in a scene file, and of the value in records */
+  MpmOptionKind kind;            /* how the option is given */
+  const char   *fallback, *help; /* its default as text, NULL: none; its meaning, as 'mpmstab list options' prints it */
+  PetscReal     lo, hi;          /* bounds of a number; lo itself is out when lo_open */
+  PetscBool     lo_open;
+  const char *const *words;        /* that are allowed, NULL after the last */
+  const char *(*word)(PetscInt i); /* the same as a function */
+  const char  *also;  /* a word in the place of a number, or NULL; where a number is needed, it is the default then */
+  const char  *rival; /* an option that says the same in another way, so that giving both is an error; or several */
+  const char  *tasks; /* those that read it (NULL: all); the others refuse it on the command line */
+  const char  *with;  /* the sources that it needs one of, as in "program or plugin"; NULL: it stands without them */
+  MpmValueKind value; /* how its value is kept, MPM_NO_VALUE if other fields follow from it */
+  MpmOwner     owner; /* where it is kept: the offset in its owner */
+  size_t at, each;    /* each: bytes from the place of one direction's value to the next one's; 0: there is one value */
+  PetscInt (*numbers)(const MpmScene *scene); /* how many, if not one for each direction: the components of a stress */
+  PetscBool by_hand;   /* it is not read from the option as it stands, but by the code that makes its owner */
+  PetscBool real;      /* records have the whole number as a double, as they have all numbers of transfers */
+  PetscBool of_matrix; /* it is also read where a matrix from a file takes the place of the scene */
+  const char *(*text)(const MpmScene *scene); /* a text is what this function says, or is at its place itself */
+  int place[MPM_RECORDS]; /* for each record its place among those that are shown there, from 1; 0: it is not shown */
+  PetscBool (*shown)(const MpmScene *scene, MpmRecord record); /* whether a record shows it (NULL: always) */
+  const char *json;    /* its key there when that is not its name; 'object.key' is a key inside an object */
+  PetscBool   exact;   /* headings show the fraction as such */
+  PetscBool   no_key;  /* it stands on the command line only */
+  MpmFileUse  file;    /* what is done with the file that it names */
+  const char *endings; /* of one that is written, what its name may end in, as in ".h5 or .hdf5" */
 } MpmField;
 
 /* Not collective. The fields that are options, and those that follow from others; each ended by one without a name. */

@@ -93,79 +93,74 @@ extern const char *const MpmNeighbourhoodNames[];
 
 /*S
    MpmRequest - what a task is asked to do with its scene. Tasks read what concerns them.
-
-   task              - its name
-   steps             - of a run; it writes output_every and checkpoint_every so many steps, and at the last one
-   output_interval   - time between outputs; 0: output_every counts
-   end               - of a run that chooses its steps, the time at which it ends; 0: it takes so many steps. Another
-                       run ends after its steps.
-   step_bound_chance, step_bound_sweeps - of the certificate, and beyond bound 'particle' (mpmstab/step_bound.h)
-   tolerance         - growth per step above 1 + tolerance is unstable
-   weights, source_term, ringing - what a run measures besides (see march/transfer_diagnostics.h)
-   phases            - at which symbol and map take the symbol, in each direction
-   refine            - whether symbol also looks for the largest growth over all phases
-   modes             - eigenvectors that spectrum writes
-   nodal, nodal_asked - whether eigenvalues are sought of the nodes' operator, where there is one; whether that was
-                        given
-   measure           - whether spectrum also marches random data
-   powers, pseudospectrum - steps, and points along a side, that spectrum takes; 0: it does without
-   tangent, window, exponents, warn_above - the perturbations beside a run (analysis/tangents.h)
-   at_step           - at kinematics finite, the step of the run whose tangent spectrum takes
-   survey            - whether critical goes through all schemes
-   neighbourhood     - those that critical and spectrum look at
-   table             - whether critical adds a table of the largest steps by layout, since none of them was asked for
-   layouts           - how many random layouts an ensemble, or neighbourhood random or disordered, has
-   voids             - the share of sites without a particle in neighbourhood random
-   damping, ndivisors, divisors - whether symbol also finds how waves are damped, and by what it divides the time step
-   axes              - of a map
-   at_mach, mach     - whether mach was given and particles move, and with it what was given: critical keeps it while
-                       the Courant number changes, and so does a map over the Courant number
-   matrix, matrix_blocks - files whose matrix, or blocks of a lattice, take the place of a scene; matrix_steps: the
-                       steps that they cover, 0 if that is not said. given_phases: how many numbers of phases were given
-   program, plugin   - the command, or the library, of a code that takes the place of a scene; program_set: its
-                       parameters that are set, program_base: what is added to fields, and program_scene: keys of the
-                       scene whose particles it is given; program_dt: the one that is the time step; at: steps after
-                       which it is probed; compare: keys of a scene that it is compared with
-   program_timeout, probe - seconds in which a program must answer, and how it is probed; program_period: steps that are
-                       probed together, 0 if that is not said; program_run: those that growth is measured over;
-                       program_drift: cells a step that its particles are set along, or with program_mach Mach numbers;
-                       its first den is 0 where nothing was said
-   write_matrix, write_blocks - files to which operator and blocks go
-   write_layout      - file to which the worst layout goes output ... restart - names of files, "" for none; xmf
-   describes the output of a run, mode_file holds its initial data
-                       when initial is eigenmode
 S*/
 typedef struct {
-  const char     *task;
-  PetscInt64      steps, output_every, checkpoint_every;
-  PetscReal       output_interval;
-  PetscReal       tolerance, voids, step_bound_chance;
-  PetscInt        step_bound_sweeps;
-  PetscBool       weights, source_term, ringing, measure, nodal, nodal_asked, survey, refine, damping, verbose;
-  PetscBool       neighbourhood[MPM_NEIGHBOURHOODS], table;
-  const char     *no_table;
-  PetscInt        phases[MPM_MAX_DIM], modes, layouts, powers, pseudospectrum, matrix_steps, given_phases;
-  PetscInt        program_period, program_run;
-  PetscInt        ndivisors, divisors[MPM_MAX_DIVISORS];
+  const char *task; /* its name */
+
+  /* of a run: it writes output_every and checkpoint_every so many steps, and at the last one; with output_interval above
+     0 output comes after this time. end: of a run that chooses its steps, the time at which it ends; 0: after its steps */
+  PetscInt64 steps, output_every, checkpoint_every;
+  PetscReal  output_interval, end;
+  PetscBool  weights, source_term, ringing; /* what it measures besides (march/transfer_diagnostics.h) */
+  /* the perturbations beside it (analysis/tangents.h) */
+  MpmTangentKind tangent;
+  PetscInt       window, exponents;
+  PetscReal      warn_above;
+  PetscInt64     at_step; /* at kinematics finite, the step of the run whose tangent spectrum takes */
+
+  PetscReal tolerance;         /* growth per step above 1 + tolerance is unstable */
+  PetscReal step_bound_chance; /* of the certificate (mpmstab/step_bound.h) */
+  PetscInt  step_bound_sweeps; /* beyond bound 'particle' */
+
+  /* of a symbol: phases in each direction, and how many numbers of them were given; whether also the largest growth
+     over all phases is sought, and how waves are damped, at the time step over each of the divisors */
+  PetscInt  phases[MPM_MAX_DIM], given_phases, ndivisors, divisors[MPM_MAX_DIVISORS];
+  PetscBool refine, damping;
+  MpmAxis   axes[2]; /* of a map */
+
+  /* of a spectrum: eigenvectors that it writes; steps, and points along a side, that it takes, 0: it does without;
+     whether it also marches random data, and whether eigenvalues are sought of the nodes' operator, where there is one,
+     and that was given */
+  PetscInt  modes, powers, pseudospectrum;
+  PetscBool measure, nodal, nodal_asked;
+
+  /* of critical: whether it goes through all schemes, prints symbols at the limit, and adds a table of the largest steps
+     by layout, since none was asked for, or why it does not */
+  PetscBool   survey, verbose, table;
+  const char *no_table;
+  PetscBool   neighbourhood[MPM_NEIGHBOURHOODS]; /* those that critical and spectrum look at */
+  PetscReal   voids;                             /* the share of sites without a particle in neighbourhood random */
+  PetscInt    layouts; /* how many random layouts an ensemble, or neighbourhood random or disordered, has */
+  /* whether mach was given and particles move, and what was given: critical keeps it while the Courant number changes,
+     and so does a map over the Courant number */
+  PetscBool at_mach;
+  MpmMach   mach;
+
+  /* of a matrix or blocks: steps that they cover, 0 if that is not said */
+  PetscInt matrix_steps;
+  /* of a code: how it is probed, and seconds in which it must answer; steps that are probed together, 0 if that is not
+     said; steps that growth is measured over; cells a step that its particles are set along, or with program_mach Mach
+     numbers, whose first den is 0 where nothing was said */
+  MpmProbeKind probe;
+  PetscReal    program_timeout;
+  PetscInt     program_period, program_run;
+  MpmFraction  program_drift[MPM_MAX_DIM];
+  PetscBool    program_mach;
+
   MpmProgressWish progress;
-  MpmAxis         axes[2];
-  MpmTangentKind  tangent;
-  PetscInt        window, exponents;
-  PetscInt64      at_step;
-  PetscReal       warn_above, end;
-  PetscBool       at_mach, program_mach;
-  MpmFraction     program_drift[MPM_MAX_DIM];
-  MpmMach         mach;
   MpmExpect       expect;
-  PetscReal       program_timeout;
-  MpmProbeKind    probe;
-  char            program[PETSC_MAX_PATH_LEN], plugin[PETSC_MAX_PATH_LEN], program_set[PETSC_MAX_PATH_LEN];
-  char            program_base[PETSC_MAX_PATH_LEN], program_scene[PETSC_MAX_PATH_LEN];
-  char            program_dt[PETSC_MAX_PATH_LEN], at[PETSC_MAX_PATH_LEN], compare[PETSC_MAX_PATH_LEN];
-  char            output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN];
-  char            csv[PETSC_MAX_PATH_LEN], mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN];
-  char            restart[PETSC_MAX_PATH_LEN], matrix[PETSC_MAX_PATH_LEN], matrix_blocks[PETSC_MAX_PATH_LEN];
-  char            write_matrix[PETSC_MAX_PATH_LEN], write_blocks[PETSC_MAX_PATH_LEN], write_layout[PETSC_MAX_PATH_LEN];
+
+  /* what takes the place of a scene: a file with a matrix, or blocks of a lattice; the command, or the library, of a code */
+  char matrix[PETSC_MAX_PATH_LEN], matrix_blocks[PETSC_MAX_PATH_LEN], program[PETSC_MAX_PATH_LEN];
+  char plugin[PETSC_MAX_PATH_LEN];
+  /* of a code: parameters that are set; what is added to fields; keys of the scene whose particles it is given; the
+     parameter that is the time step; steps after which it is probed; keys of a scene that it is compared with */
+  char program_set[PETSC_MAX_PATH_LEN], program_base[PETSC_MAX_PATH_LEN], program_scene[PETSC_MAX_PATH_LEN];
+  char program_dt[PETSC_MAX_PATH_LEN], at[PETSC_MAX_PATH_LEN], compare[PETSC_MAX_PATH_LEN];
+  /* names of files, "" for none; xmf describes the output of a run, mode_file has its data when initial is eigenmode */
+  char output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN];
+  char mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
+  char write_matrix[PETSC_MAX_PATH_LEN], write_blocks[PETSC_MAX_PATH_LEN], write_layout[PETSC_MAX_PATH_LEN];
 } MpmRequest;
 
 /* Not collective. The file, command or library that takes the place of a scene. */

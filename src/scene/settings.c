@@ -27,31 +27,22 @@ static PetscErrorCode FindOnCommandLine(const char name[], int *at, char ***argv
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Has(PetscOptions options, const char name[], const char value[], PetscBool *has)
-{
-  char        key[256];
-  const char *text;
-
-  PetscFunctionBegin;
-  (void)snprintf(key, sizeof key, "-%s", name);
-  PetscCall(PetscOptionsFindPair(options, NULL, key, &text, has));
-  if (*has && strcmp(text ? text : "", value ? value : "")) *has = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Whether the variable PETSC_OPTIONS (file NULL), or a file, gives the option this value. */
 static PetscErrorCode Gives(const char file[], const char name[], const char value[], PetscBool *gives)
 {
-  const char  *variable = getenv("PETSC_OPTIONS");
+  const char  *variable = getenv("PETSC_OPTIONS"), *text;
+  char         key[256];
   PetscOptions options;
 
   PetscFunctionBegin;
+  (void)snprintf(key, sizeof key, "-%s", name);
   PetscCall(PetscOptionsCreate(&options));
   if (file)
     PetscCall(PetscOptionsInsertFile(PETSC_COMM_WORLD, options, file, PETSC_FALSE));
   else if (variable)
     PetscCall(PetscOptionsInsertString(options, variable));
-  PetscCall(Has(options, name, value, gives));
+  PetscCall(PetscOptionsFindPair(options, NULL, key, &text, gives));
+  if (*gives && strcmp(text ? text : "", value ? value : "")) *gives = PETSC_FALSE;
   PetscCall(PetscOptionsDestroy(&options));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -265,24 +256,12 @@ static PetscBool Begins(const char name[], size_t n, const char *const others[])
   return PETSC_FALSE;
 }
 
-static PetscErrorCode CheckLibrary(const char task[], const char name[], const char place[], PetscBool *is_theirs)
-{
-  PetscFunctionBegin;
-  *is_theirs = Begins(name, PETSC_STATIC_ARRAY_LENGTH(any), any);
-  if (!Begins(name, PETSC_STATIC_ARRAY_LENGTH(slepc), slepc)) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmCheckInput(!strcmp(task, eigen[0]) || !strcmp(task, eigen[1]),
-                "-%.200s%s: task %s does not read it; allowed: with task %s or %s", name, place, task, eigen[0],
-                eigen[1]);
-  *is_theirs = PETSC_TRUE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscBool MpmSettingsIsLibrary(const char name[])
 {
   static const char *const help[] = {"h", "help", "v", "version"};
 
-  if (Begins(name, PETSC_STATIC_ARRAY_LENGTH(any), any)) return PETSC_TRUE;
-  if (Begins(name, PETSC_STATIC_ARRAY_LENGTH(slepc), slepc)) return PETSC_TRUE;
+  if (Begins(name, PETSC_STATIC_ARRAY_LENGTH(any), any) || Begins(name, PETSC_STATIC_ARRAY_LENGTH(slepc), slepc))
+    return PETSC_TRUE;
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(help); i++)
     if (!strcmp(name, help[i])) return PETSC_TRUE;
   return PETSC_FALSE;
@@ -317,15 +296,22 @@ static PetscErrorCode IsSpan(const char name[], PetscBool *is)
 }
 
 /*
-   An option that is not on the list may be a parameter of the scheme that the scene, or the option scheme, names, or
-   the span of a code's parameter.
+   Refuses an option that is not on the list, unless it is a library's (is_theirs), a parameter of the scheme that the
+   scene, or the option scheme, names, or the span of a code's parameter.
 */
-static PetscErrorCode CheckParameter(const char scene[], const char name[], const char place[])
+static PetscErrorCode CheckOther(const char task[], const char scene[], const char name[], const char place[],
+                                 PetscBool *is_theirs)
 {
-  PetscBool is       = PETSC_FALSE, file;
-  char      near[64] = "";
+  const PetscBool solves   = Begins(name, PETSC_STATIC_ARRAY_LENGTH(slepc), slepc);
+  PetscBool       is       = PETSC_FALSE, file;
+  char            near[64] = "";
 
   PetscFunctionBegin;
+  MpmCheckInput(!solves || !strcmp(task, eigen[0]) || !strcmp(task, eigen[1]),
+                "-%.200s%s: task %s does not read it; allowed: with task %s or %s", name, place, task, eigen[0],
+                eigen[1]);
+  *is_theirs = solves || Begins(name, PETSC_STATIC_ARRAY_LENGTH(any), any) ? PETSC_TRUE : PETSC_FALSE;
+  if (*is_theirs) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscOptionsHasName(NULL, NULL, "-scheme", &file));
   if (scene || file) PetscCall(MpmSettingsHasParameter(scene, name, &is, sizeof near, near));
   if (!is) PetscCall(IsSpan(name, &is));
@@ -342,26 +328,19 @@ static PetscBool IsKey(const char word[])
 
 PetscErrorCode MpmSettingsCheckCommandLine(const char task[], int argc, char **argv, int first)
 {
-  PetscBool is_theirs;
-
   PetscFunctionBegin;
   for (int i = first; i < argc; i++) {
-    MpmCheckInput(IsKey(argv[i]), "unexpected word '%.200s'; allowed: TASK [SCENE.yaml] [-option value]...", argv[i]);
-    for (int j = first; j < i; j++)
-      MpmCheckInput(MpmOptionIndex(argv[i] + 1) == MPM_NOT_AN_OPTION || strcmp(argv[i], argv[j]),
-                    "%s is given a second time; allowed: once", argv[i]);
-    if (MpmOptionIndex(argv[i] + 1) != MPM_NOT_AN_OPTION) {
-      const MpmField *option = &MpmOptions[MpmOptionIndex(argv[i] + 1)];
+    const char    *name      = argv[i] + 1;
+    const PetscInt option    = MpmOptionIndex(name);
+    PetscBool      is_theirs = PETSC_FALSE;
 
-      /* a scene file may hold options that other tasks read; on the command line such an option is a mistake */
-      MpmCheckInput(MpmFieldIsOf(option, task), "-%s: task %s does not read it; allowed: with task %s", option->name,
-                    task, option->tasks);
-    } else {
-      PetscCall(CheckLibrary(task, argv[i] + 1, "", &is_theirs));
-      if (!is_theirs) PetscCall(CheckParameter(first ? argv[0] : NULL, argv[i] + 1, ""));
-      for (int j = first; j < i && !is_theirs; j++)
-        MpmCheckInput(strcmp(argv[i], argv[j]), "%s is given a second time; allowed: once", argv[i]);
-    }
+    MpmCheckInput(IsKey(argv[i]), "unexpected word '%.200s'; allowed: TASK [SCENE.yaml] [-option value]...", argv[i]);
+    if (option == MPM_NOT_AN_OPTION) PetscCall(CheckOther(task, first ? argv[0] : NULL, name, "", &is_theirs));
+    for (int j = first; j < i && !is_theirs; j++)
+      MpmCheckInput(strcmp(argv[i], argv[j]), "%s is given a second time; allowed: once", argv[i]);
+    /* a scene file may hold options that other tasks read; on the command line such an option is a mistake */
+    MpmCheckInput(option == MPM_NOT_AN_OPTION || MpmFieldIsOf(&MpmOptions[option], task),
+                  "-%s: task %s does not read it; allowed: with task %s", name, task, MpmOptions[option].tasks);
     if (i + 1 < argc && !IsKey(argv[i + 1])) i++;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -376,22 +355,15 @@ static PetscBool IsReadLast(const char name[])
 
 #define MOST_PLACES 5 /* the variable and four files */
 
-/* A line for each place that gives options. */
-typedef struct {
-  MpmText place[MOST_PLACES];
-} Lines;
-
-/* Adds an option to the line of its place, which is of the form 'from PETSC_OPTIONS'. */
-static PetscErrorCode Say(const char task[], const char name[], const char value[], const char place[], Lines *lines)
+/* Adds an option to the line of its place, of those that begin with 'from PETSC_OPTIONS' or 'from FILE'. */
+static PetscErrorCode Say(const char task[], const char name[], const char value[], const char place[], MpmText *line)
 {
   const PetscInt option = MpmOptionIndex(name);
   const size_t   length = strlen(place);
-  MpmText       *line   = lines->place;
+  const MpmText *last   = line + MOST_PLACES - 1;
 
   PetscFunctionBegin;
-  while (line < lines->place + MOST_PLACES - 1 && line->text &&
-         (strncmp(line->text, place, length) || line->text[length] != ':'))
-    line++;
+  while (line < last && line->text && (strncmp(line->text, place, length) || line->text[length] != ':')) line++;
   if (!line->text) PetscCall(MpmTextAdd(line, "%s:", place));
   PetscCall(MpmTextAdd(line, " -%s%s%s", name, value && value[0] ? " " : "", value ? value : ""));
   if (option != MPM_NOT_AN_OPTION && !MpmFieldIsOf(&MpmOptions[option], task))
@@ -401,7 +373,7 @@ static PetscErrorCode Say(const char task[], const char name[], const char value
 
 PetscErrorCode MpmSettingsCheckOutside(const char task[], const char scene[])
 {
-  Lines     lines = {{{NULL, 0}}};
+  MpmText   line[MOST_PLACES] = {{NULL, 0}};
   char      place[MPM_PLACE_TEXT], **names, **values;
   PetscBool is_theirs;
   PetscInt  n;
@@ -412,15 +384,12 @@ PetscErrorCode MpmSettingsCheckOutside(const char task[], const char scene[])
     if (IsReadLast(names[i])) continue;
     PetscCall(MpmSettingsPlace(names[i], values[i], place));
     if (!place[0]) continue;
-    if (MpmOptionIndex(names[i]) == MPM_NOT_AN_OPTION) {
-      PetscCall(CheckLibrary(task, names[i], place, &is_theirs));
-      if (!is_theirs) PetscCall(CheckParameter(scene, names[i], place));
-    }
-    PetscCall(Say(task, names[i], values[i], place + strlen(", "), &lines));
+    if (MpmOptionIndex(names[i]) == MPM_NOT_AN_OPTION) PetscCall(CheckOther(task, scene, names[i], place, &is_theirs));
+    PetscCall(Say(task, names[i], values[i], place + strlen(", "), line));
   }
-  for (int i = 0; i < MOST_PLACES && lines.place[i].text; i++) {
-    MpmPrint("%s\n", lines.place[i].text);
-    MpmTextFree(&lines.place[i]);
+  for (int i = 0; i < MOST_PLACES && line[i].text; i++) {
+    MpmPrint("%s\n", line[i].text);
+    MpmTextFree(&line[i]);
   }
   PetscCall(PetscOptionsLeftRestore(NULL, &n, &names, &values));
   PetscFunctionReturn(PETSC_SUCCESS);
