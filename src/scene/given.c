@@ -25,33 +25,22 @@
 #define PORTION (1 << 28) /* numbers in a message */
 #define SAME_RATIO 1e-12
 
-enum {
-  X,
-  Y,
-  Z,
-  VOLUME  = MPM_GIVEN_VOLUME,
-  MASS    = MPM_GIVEN_MASS,
-  YOUNG   = MPM_GIVEN_YOUNG,
-  POISSON = MPM_GIVEN_POISSON,
-  FIXED   = MPM_GIVEN_FIXED,
-  KNOWN   = MPM_GIVEN_COLUMNS,
-  IGNORED = -1
-};
-static const char *const names[KNOWN] = {"x", "y", "z", "volume", "mass", "young", "poisson", "fixed"};
+enum { IGNORED = -1, VOLUME = MPM_GIVEN_VOLUME, KNOWN = MPM_GIVEN_COLUMNS };
 
-/* What a column's numbers may be. */
+/* The columns, and what their numbers may be. */
 static const struct {
+  const char *name;
   PetscReal   lo, hi;
   PetscBool   open;
   const char *allowed;
-} ranges[KNOWN] = {[X]       = {-PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_FALSE, "a number"},
-                   [Y]       = {-PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_FALSE, "a number"},
-                   [Z]       = {-PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_FALSE, "a number"},
-                   [VOLUME]  = {0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
-                   [MASS]    = {0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
-                   [YOUNG]   = {0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
-                   [POISSON] = {0, 0.5, PETSC_FALSE, "a number from 0 to 0.5"},
-                   [FIXED]   = {0, 1, PETSC_FALSE, "1 for a particle that is held, else 0"}};
+} columns[KNOWN] = {{"x", -PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_FALSE, "a number"},
+                    {"y", -PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_FALSE, "a number"},
+                    {"z", -PETSC_MAX_REAL, PETSC_MAX_REAL, PETSC_FALSE, "a number"},
+                    {"volume", 0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
+                    {"mass", 0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
+                    {"young", 0, PETSC_MAX_REAL, PETSC_TRUE, "a number above 0"},
+                    {"poisson", 0, 0.5, PETSC_FALSE, "a number from 0 to 0.5"},
+                    {"fixed", 0, 1, PETSC_FALSE, "1 for a particle that is held, else 0"}};
 
 /* A file that is being read. why: what is wrong with it, after its name; empty: nothing. */
 typedef struct {
@@ -119,13 +108,6 @@ static void Count(Reader *r)
   r->line = 0;
 }
 
-static PetscInt ColumnOf(const char name[])
-{
-  for (PetscInt c = 0; c < KNOWN; c++)
-    if (!strcasecmp(name, names[c])) return c;
-  return IGNORED;
-}
-
 /* Reads the header. Columns of other names are passed over. */
 static void ReadHeader(Reader *r)
 {
@@ -135,12 +117,12 @@ static void ReadHeader(Reader *r)
   if (!NextLine(r)) return;
   if (*next == '#') next++; /* as numpy.savetxt writes it */
   while ((name = NextCell(&next)) && !r->why[0]) {
-    PetscInt column;
+    PetscInt column = KNOWN - 1;
 
     name += strspn(name, " \t\"");
     name[strcspn(name, " \t\"")] = '\0';
-    column                       = ColumnOf(name);
-    if (column == POISSON && r->dim == 1) column = IGNORED; /* young is the stiffness of a bar */
+    while (column != IGNORED && strcasecmp(name, columns[column].name)) column--;
+    if (column == MPM_GIVEN_POISSON && r->dim == 1) column = IGNORED; /* young is the stiffness of a bar */
     if (r->columns == MOST_COLUMNS || (column != IGNORED && has[column])) {
       Why(r, "line 1: %s; allowed: each column once, at most %d",
           r->columns == MOST_COLUMNS ? "too many columns" : "a column twice", MOST_COLUMNS);
@@ -160,7 +142,7 @@ static void ReadHeader(Reader *r)
                      "and poisson what there is"
                    : "line 1: there is a column %s%.0s, and -dim is less; allowed: -dim with the columns that "
                      "there are",
-        names[a],
+        columns[a].name,
         r->dim > 2   ? ",y,z"
         : r->dim > 1 ? ",y"
                      : "");
@@ -169,8 +151,8 @@ static void ReadHeader(Reader *r)
 
 static PetscBool IsAllowed(PetscInt of, PetscReal x)
 {
-  if (!isfinite(x) || x > ranges[of].hi || (of == FIXED && x != rint(x))) return PETSC_FALSE;
-  return x > ranges[of].lo || (x == ranges[of].lo && !ranges[of].open) ? PETSC_TRUE : PETSC_FALSE;
+  if (!isfinite(x) || x > columns[of].hi || (of == MPM_GIVEN_FIXED && x != rint(x))) return PETSC_FALSE;
+  return x > columns[of].lo || (x == columns[of].lo && !columns[of].open) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 /* Reads the numbers of a particle. */
@@ -192,7 +174,7 @@ static void ReadParticle(Reader *r, PetscInt64 id)
     value = strtod(cell, &end);
     if (end != cell) end += strspn(end, " \t");
     if (end == cell || *end || !IsAllowed(of, value)) {
-      Why(r, "line %" PetscInt64_FMT ": %s '%.40s'; allowed: %s", r->line, names[of], cell, ranges[of].allowed);
+      Why(r, "line %" PetscInt64_FMT ": %s '%.40s'; allowed: %s", r->line, columns[of].name, cell, columns[of].allowed);
       return;
     }
     r->value[of][id] = value;
@@ -222,7 +204,7 @@ static void ReadGroups(Reader *r)
   r->particles = shape[0];
   for (PetscInt a = 0; a < r->dim; a++) r->of[r->columns++] = a;
   for (PetscInt c = VOLUME; c < KNOWN; c++) {
-    (void)snprintf(path, sizeof path, "/%s/particles/%s", r->group, names[c]);
+    (void)snprintf(path, sizeof path, "/%s/particles/%s", r->group, columns[c].name);
     if (MpmHdf5Array(&r->hdf5, path, 1, &dims, shape) && dims == 1 && shape[0] == r->particles) r->of[r->columns++] = c;
   }
 }
@@ -240,13 +222,13 @@ static PetscErrorCode ReadArrays(Reader *r)
   for (PetscInt c = 0; c < r->columns && !r->why[0]; c++) {
     PetscReal *value = r->value[r->of[c]];
 
-    (void)snprintf(path, sizeof path, "/%s/particles/%s", r->group, names[r->of[c]]);
+    (void)snprintf(path, sizeof path, "/%s/particles/%s", r->group, columns[r->of[c]].name);
     if (r->of[c] >= VOLUME) MpmHdf5ReadArray(&r->hdf5, path, value);
     for (PetscInt64 id = 0; id < r->particles && !r->hdf5.failed && !r->why[0]; id++) {
       if (r->of[c] < VOLUME) value[id] = x[width * id + r->of[c]];
       if (!IsAllowed(r->of[c], value[id]))
-        Why(r, "particle %" PetscInt64_FMT ": %s %g; allowed: %s", id, names[r->of[c]], value[id],
-            ranges[r->of[c]].allowed);
+        Why(r, "particle %" PetscInt64_FMT ": %s %g; allowed: %s", id, columns[r->of[c]].name, value[id],
+            columns[r->of[c]].allowed);
     }
   }
   if (r->hdf5.failed) Why(r, "HDF5 cannot read it; allowed: a whole file");
@@ -345,8 +327,9 @@ PetscErrorCode MpmSettingsReadGiven(const MpmSettings *settings, MpmScene *scene
   PetscCall(MpmGivenRead("layout", "uniform, random, or ", path, scene->layout.dim, &scene->layout.given));
   given              = scene->layout.given;
   scene->layout.name = given->path;
-  if (given->column[POISSON] && scene->layout.dim > 1 && MpmSettingsSource(settings, "poisson") == MPM_FROM_DEFAULT)
-    scene->scheme.space.poisson = given->column[POISSON][0];
+  if (given->column[MPM_GIVEN_POISSON] && scene->layout.dim > 1 &&
+      MpmSettingsSource(settings, "poisson") == MPM_FROM_DEFAULT)
+    scene->scheme.space.poisson = given->column[MPM_GIVEN_POISSON][0];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -433,42 +416,24 @@ static PetscErrorCode PlaceAlong(const MpmScene *scene, PetscInt a)
         x >= 0 && x <= cells,
         "layout %s: %s: %s %.17g is outside of the domain; allowed: from 0 to %.17g (-length, -cell_width and "
         "-cells say how long the domain is)",
-        given->path, Where(given, id, where), names[a], given->column[a][id], scene->length[a]);
+        given->path, Where(given, id, where), columns[a].name, given->column[a][id], scene->length[a]);
     given->column[a][id] = x;
   }
   PetscCall(CountAlong(&scene->layout, a));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* E to the stiffness against a strain in one direction. */
-static PetscReal Stiffness(const MpmScene *scene, PetscReal young)
-{
-  const PetscReal nu = scene->scheme.space.poisson;
-
-  return scene->layout.dim == 1 ? young : young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
-}
-
-void MpmMaterialUnits(const MpmScene *scene, PetscReal unit[MPM_PROPERTIES])
-{
-  const PetscReal density = scene->density > 0 ? scene->density : 1;
-
-  for (PetscInt w = 0; w < MPM_PROPERTIES; w++) unit[w] = 1;
-  for (PetscInt a = 0; a < scene->layout.dim; a++)
-    unit[MPM_VOLUME] *=
-        scene->cell_width / (scene->layout.ppc[a] * (scene->scheme.space.finite ? scene->scheme.space.stretch[a] : 1));
-  unit[MPM_MASS]      = density * unit[MPM_VOLUME];
-  unit[MPM_STIFFNESS] = density * PetscSqr(scene->wave_speed) / Stiffness(scene, 1);
-}
-
 /* Properties in units of a particle of the scene's material that fills 1 / ppc of a cell. */
 static PetscErrorCode Weigh(MpmScene *scene)
 {
-  static const PetscInt from[MPM_PROPERTIES] = {
-      [MPM_VOLUME] = VOLUME, [MPM_MASS] = MASS, [MPM_STIFFNESS] = YOUNG, [MPM_MOBILITY] = FIXED};
-  MpmLayout *l      = &scene->layout;
-  MpmGiven  *given  = l->given;
-  PetscReal  domain = 1, unit[MPM_PROPERTIES];
-  char       where[WHERE];
+  static const PetscInt from[MPM_PROPERTIES] = {[MPM_VOLUME]    = VOLUME,
+                                                [MPM_MASS]      = MPM_GIVEN_MASS,
+                                                [MPM_STIFFNESS] = MPM_GIVEN_YOUNG,
+                                                [MPM_MOBILITY]  = MPM_GIVEN_FIXED};
+  MpmLayout            *l                    = &scene->layout;
+  MpmGiven             *given                = l->given;
+  PetscReal             domain               = 1, unit[MPM_PROPERTIES];
+  char                  where[WHERE];
 
   PetscFunctionBegin;
   MpmMaterialUnits(scene, unit);
@@ -484,7 +449,7 @@ static PetscErrorCode Weigh(MpmScene *scene)
     PetscReal *const *p = given->property;
 
     if (!given->column[VOLUME]) p[MPM_VOLUME][id] = domain / (PetscReal)given->particles / unit[MPM_VOLUME];
-    if (!given->column[MASS]) p[MPM_MASS][id] = p[MPM_VOLUME][id];
+    if (!given->column[MPM_GIVEN_MASS]) p[MPM_MASS][id] = p[MPM_VOLUME][id];
     if (p[MPM_MOBILITY]) p[MPM_MOBILITY][id] = 1 - p[MPM_MOBILITY][id];
     MpmCheckInput(
         isnormal(p[MPM_VOLUME][id]) && isnormal(p[MPM_MASS][id]) &&
@@ -511,13 +476,13 @@ static PetscErrorCode CheckPoisson(const MpmScene *scene)
   char            where[WHERE];
 
   PetscFunctionBegin;
-  for (PetscInt64 id = 0; given->column[POISSON] && scene->layout.dim > 1 && id < given->particles; id++)
-    MpmCheckInput(fabs(given->column[POISSON][id] - nu) <= SAME_RATIO,
+  for (PetscInt64 id = 0; given->column[MPM_GIVEN_POISSON] && scene->layout.dim > 1 && id < given->particles; id++)
+    MpmCheckInput(fabs(given->column[MPM_GIVEN_POISSON][id] - nu) <= SAME_RATIO,
                   "layout %s: %s: poisson %.17g where another particle, or -poisson, has %.17g; allowed: one for all "
                   "particles",
-                  given->path, Where(given, id, where), given->column[POISSON][id], nu);
+                  given->path, Where(given, id, where), given->column[MPM_GIVEN_POISSON][id], nu);
   MpmCheckInput(
-      !given->column[YOUNG] || scene->layout.dim == 1 || nu < 0.5,
+      !given->column[MPM_GIVEN_YOUNG] || scene->layout.dim == 1 || nu < 0.5,
       "layout %s: young with poisson 0.5 has no finite stiffness; allowed: poisson below 0.5, or no column young",
       given->path);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -555,7 +520,7 @@ PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scen
       "of the bodies: -bodies '{shape: file, path: %s}'",
       given->path, given->path);
   PetscCall(CheckPoisson(scene));
-  MpmCheckInput(!given->column[FIXED] || !MpmSceneDrifts(scene),
+  MpmCheckInput(!given->column[MPM_GIVEN_FIXED] || !MpmSceneDrifts(scene),
                 "layout %s: a particle that is held does not drift; allowed: without drift, or without column fixed",
                 given->path);
   if (given->random) {

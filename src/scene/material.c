@@ -74,3 +74,39 @@ void MpmMaterialBounds(const MpmLayout *layout, PetscReal bound[MPM_PROPERTIES])
     if (layout->counts.of[r])
       bound[MPM_VOLUME] = PetscMax(bound[MPM_VOLUME], (PetscReal)layout->ppc[0] / layout->counts.of[r]);
 }
+
+PetscReal MpmMaterialStiffness(PetscInt dim, PetscReal nu)
+{
+  return dim == 1 ? 1 : (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+}
+
+void MpmMaterialUnits(const MpmScene *scene, PetscReal unit[MPM_PROPERTIES])
+{
+  const PetscReal density = scene->density > 0 ? scene->density : 1;
+
+  for (PetscInt w = 0; w < MPM_PROPERTIES; w++) unit[w] = 1;
+  for (PetscInt a = 0; a < scene->layout.dim; a++)
+    unit[MPM_VOLUME] *=
+        scene->cell_width / (scene->layout.ppc[a] * (scene->scheme.space.finite ? scene->scheme.space.stretch[a] : 1));
+  unit[MPM_MASS] = density * unit[MPM_VOLUME];
+  unit[MPM_STIFFNESS] =
+      density * PetscSqr(scene->wave_speed) / MpmMaterialStiffness(scene->layout.dim, scene->scheme.space.poisson);
+}
+
+void MpmMaterialOne(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[], const PetscReal dF[],
+                    PetscReal tau[], PetscReal dtau[])
+{
+  const PetscReal *from[MPM_MOST_STRETCH], *along[MPM_MOST_STRETCH];
+  PetscReal       *to[MPM_MAX_STRESS], *change[MPM_MAX_STRESS];
+
+  for (PetscInt c = 0; c < MpmMaterialComponents(material, dim); c++) {
+    from[c]  = &F[c];
+    along[c] = dF ? &dF[c] : NULL;
+  }
+  for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) {
+    to[c]     = &tau[c];
+    change[c] = dF ? &dtau[c] : NULL;
+  }
+  MpmMaterialStress(material, dim, 1, from, to);
+  if (dF) MpmMaterialTangent(material, dim, 1, from, along, change);
+}

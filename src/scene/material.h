@@ -28,3 +28,18 @@ void MpmMaterialBounds(const MpmLayout *layout, PetscReal bound[MPM_PROPERTIES])
 
 /* Not collective. What property 1 is in a scene's units: a volume and a mass at rest, and Young's modulus. */
 void MpmMaterialUnits(const MpmScene *scene, PetscReal unit[MPM_PROPERTIES]);
+
+/*
+   Not collective. The stiffness against a strain in one direction alone of a solid with Young's modulus 1 and Poisson's
+   ratio nu; in one dimension it is a bar whose sides are free.
+*/
+PetscReal MpmMaterialStiffness(PetscInt dim, PetscReal nu);
+
+/*
+   MpmMaterialOne - the Kirchhoff stress tau of one particle with the deformation gradient F, and dtau, its differential
+   along dF (NULL: without it), as MpmMaterialStress and MpmMaterialTangent have them.
+
+   Not collective.
+*/
+void MpmMaterialOne(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[], const PetscReal dF[],
+                    PetscReal tau[], PetscReal dtau[]);

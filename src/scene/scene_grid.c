@@ -4,6 +4,7 @@
 */
 #include "base/text.h"
 #include "scene/layout.h"
+#include "scene/material.h"
 #include "scene/settings.h"
 #include <mpmstab/scheme.h>
 #include <math.h>
@@ -72,7 +73,7 @@ static PetscErrorCode FromYoung(const MpmSettings *settings, const MpmScene *sce
   MpmSettingsRefuseIf(nu == 0.5, settings, "poisson",
                       "with young, the wave speed would be infinite; allowed: less than 0.5, or bulk with "
                       "shear 0, or sound_speed");
-  *stiffness *= (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+  *stiffness *= MpmMaterialStiffness(scene->layout.dim, nu);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

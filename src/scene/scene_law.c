@@ -1,6 +1,7 @@
 /* The state that a linear scheme is about, from a material and its stretch or from a stress; damping and viscosity. */
 #include "linalg/small_eigen.h"
 #include "scene/layout.h"
+#include "scene/material.h"
 #include "scene/settings.h"
 #include <math.h>
 
@@ -24,15 +25,13 @@ static PetscErrorCode FromVolume(const MpmSettings *settings, MpmScene *scene)
 {
   const MpmMaterialNumbers numbers = MpmMaterialOfRatio(scene->law, scene->lame_ratio, scene->exponent);
   PetscReal                J       = 1, tau, modulus;
-  const PetscReal         *of[1]   = {&J};
-  PetscReal               *to[1]   = {&tau};
 
   PetscFunctionBegin;
   MpmSettingsRefuseIf(MpmSceneHasPoisson(scene) && scene->scheme.space.poisson != 0.5, settings, "material",
                       "it is a fluid, with a pressure alone; allowed: with poisson 0.5, or neo or svk");
   for (PetscInt a = 0; a < scene->layout.dim; a++) J *= scene->stretch[a];
   modulus = MpmMaterialModulus(&numbers, 1, &J);
-  MpmMaterialStress(&numbers, 1, 1, of, to);
+  MpmMaterialOne(&numbers, 1, &J, NULL, &tau, NULL);
   MpmSettingsRefuseIf(!(modulus > 0) || !isfinite(tau / modulus), settings, "stretch", stiff);
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     scene->scheme.space.prestress[MpmStressComponent(scene->layout.dim, a, a)] = tau / modulus;
@@ -65,8 +64,6 @@ static PetscErrorCode FromSolid(const MpmSettings *settings, MpmScene *scene)
   const MpmMaterialNumbers material = {scene->law, (1 - 2 * nu) / (2 * (1 - nu)), nu / (1 - nu), 0, {0}, 0, {0}, NULL};
   MpmSpace                *space    = &scene->scheme.space;
   PetscReal                F[MPM_MAX_DIM * MPM_MAX_DIM] = {0}, tau[MPM_MAX_STRESS], sigma[MPM_MAX_DIM] = {0}, M;
-  const PetscReal         *from[MPM_MAX_DIM * MPM_MAX_DIM];
-  PetscReal               *to[MPM_MAX_STRESS];
 
   PetscFunctionBegin;
   MpmSettingsRefuseIf(nu == 0.5, settings, "material",
@@ -74,9 +71,7 @@ static PetscErrorCode FromSolid(const MpmSettings *settings, MpmScene *scene)
   MpmSettingsRefuseIf(!scene->law->stretched, settings, "material",
                       "no linear scheme about a stretched state is known of it; allowed: with kinematics finite");
   for (PetscInt a = 0; a < dim; a++) F[(dim + 1) * a] = scene->stretch[a];
-  for (PetscInt c = 0; c < dim * dim; c++) from[c] = &F[c];
-  for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) to[c] = &tau[c];
-  MpmMaterialStress(&material, dim, 1, from, to);
+  MpmMaterialOne(&material, dim, F, NULL, tau, NULL);
   scene->law->stretched(&material, dim, scene->stretch, &space->lambda, &space->mu, space->squares);
   for (PetscInt a = 0; a < dim; a++) sigma[a] = tau[MpmStressComponent(dim, a, a)];
   M = (space->lambda + 2 * space->mu) * space->squares[0] * space->squares[0] + sigma[0];
@@ -178,20 +173,10 @@ static PetscErrorCode SetRatio(const MpmSettings *settings, MpmScene *scene)
 */
 static PetscReal ModulusAlongX(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[])
 {
-  PetscReal        dF[MPM_MOST_STRETCH] = {0}, tau[6], dtau[6], *to[6], *dto[6];
-  const PetscReal *from[MPM_MOST_STRETCH], *dfrom[MPM_MOST_STRETCH];
+  PetscReal dF[MPM_MOST_STRETCH] = {0}, tau[6], dtau[6];
 
   for (PetscInt a = 0; a < dim; a++) dF[a] = F[a];
-  for (PetscInt c = 0; c < MpmMaterialComponents(material, dim); c++) {
-    from[c]  = &F[c];
-    dfrom[c] = &dF[c];
-  }
-  for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) {
-    to[c]  = &tau[c];
-    dto[c] = &dtau[c];
-  }
-  MpmMaterialStress(material, dim, 1, from, to);
-  MpmMaterialTangent(material, dim, 1, from, dfrom, dto);
+  MpmMaterialOne(material, dim, F, dF, tau, dtau);
   return dtau[0] - tau[0];
 }
 

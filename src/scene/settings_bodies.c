@@ -112,12 +112,6 @@ static PetscInt KeysOf(const MpmBlockReader *r, const MpmLaw *law, const char *n
   return n;
 }
 
-/* The stiffness against a strain in one direction of a solid with Young's modulus 1. */
-static PetscReal StiffnessOf(PetscInt dim, PetscReal nu)
-{
-  return dim == 1 ? 1 : (1 - nu) / ((1 + nu) * (1 - 2 * nu));
-}
-
 static PetscErrorCode ReadPoisson(MpmBlockReader *r, const yaml_node_t *block, MpmBody *body)
 {
   const MpmScene *scene = r->scene;
@@ -131,8 +125,8 @@ static PetscErrorCode ReadPoisson(MpmBlockReader *r, const yaml_node_t *block, M
     REFUSE_IF(!(nu >= 0 && nu < 0.5), r, "poisson", "allowed: from 0 to less than 0.5");
     body->material = MpmMaterialOfRatio(body->material.law, 2 * nu / (1 - 2 * nu), body->material.exponent);
   }
-  body->young =
-      (scene->density > 0 ? scene->density : 1) * PetscSqr(scene->wave_speed) / StiffnessOf(scene->layout.dim, nu);
+  body->young = (scene->density > 0 ? scene->density : 1) * PetscSqr(scene->wave_speed) /
+                MpmMaterialStiffness(scene->layout.dim, nu);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

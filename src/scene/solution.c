@@ -241,22 +241,11 @@ static void ManufacturedExact(const MpmScene *scene, const PetscReal X[], const 
 /* dP_aa/dF_aa = (dtau_aa - tau_aa / F_aa) / F_aa, in units of rho0 c^2. */
 static PetscReal Slope(const MpmScene *scene, PetscInt a, const PetscReal F[])
 {
-  const PetscInt   dim = scene->layout.dim, pair = a * dim - a * (a - 1) / 2;
-  PetscReal        dF[MPM_MAX_DIM * MPM_MAX_DIM] = {0}, tau[6], dtau[6];
-  const PetscReal *f[MPM_MAX_DIM * MPM_MAX_DIM], *df[MPM_MAX_DIM * MPM_MAX_DIM];
-  PetscReal       *t[6], *dt[6];
+  const PetscInt dim = scene->layout.dim, pair = a * dim - a * (a - 1) / 2;
+  PetscReal      dF[MPM_MOST_STRETCH] = {0}, tau[6], dtau[6];
 
   dF[a * dim + a] = 1;
-  for (PetscInt c = 0; c < dim * dim; c++) {
-    f[c]  = &F[c];
-    df[c] = &dF[c];
-  }
-  for (PetscInt c = 0; c < dim * (dim + 1) / 2; c++) {
-    t[c]  = &tau[c];
-    dt[c] = &dtau[c];
-  }
-  MpmMaterialStress(&scene->scheme.space.material, dim, 1, f, t);
-  MpmMaterialTangent(&scene->scheme.space.material, dim, 1, f, df, dt);
+  MpmMaterialOne(&scene->scheme.space.material, dim, F, dF, tau, dtau);
   return (dtau[pair] - tau[pair] / F[a * dim + a]) / F[a * dim + a];
 }
 
