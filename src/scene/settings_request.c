@@ -419,9 +419,13 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
   PetscFunctionBegin;
   expect->has_verdict = MpmSettingsGiven(settings, "expect");
   expect->has_kind    = MpmSettingsGiven(settings, "expect_kind");
-  for (MpmExpected e = 0; e < MPM_EXPECTED; e++) expect->has[e] = MpmSettingsGiven(settings, MpmExpectOptions[e]);
+  for (MpmExpected e = 0; e < MPM_EXPECTED; e++) /* a scene may have what other tasks find */
+    expect->has[e] = MpmSettingsGiven(settings, MpmExpectOptions[e]) &&
+                             MpmFieldIsOf(&MpmOptions[MpmOptionIndex(MpmExpectOptions[e])], task)
+                         ? PETSC_TRUE
+                         : PETSC_FALSE;
   if (expect->has_verdict && scene) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
-  if (expect->has[MPM_EXPECT_ERROR] && scene && !MpmSceneHasExact(scene)) {
+  if (MpmSettingsGiven(settings, "expect_error") && scene && !MpmSceneHasExact(scene)) {
     PetscCall(MpmSettingsRefuseUnless(
         settings, "expect_error", "initial,boundary",
         "there is no exact solution; allowed: with initial mode, pulse or step in a full domain"));

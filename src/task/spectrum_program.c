@@ -193,7 +193,7 @@ static PetscErrorCode Measure(const MpmRequest *request, PetscReal started, Pets
   MpmReportRun(result, &program, &run);
   PetscCall(MpmReportFinding(result, NULL, NULL, &finding, NAN));
   PetscCall(MpmResultEnd(request, MPI_Wtime() - started, &result));
-  PetscCall(MpmExpectFinding(&request->expect, &finding, missed));
+  PetscCall(MpmExpectFinding(&request->expect, finding.verdict, finding.growth, missed));
   PetscCall(MpmProgramClose(&program));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -220,7 +220,7 @@ PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started
   PetscCall(MpmResultEnd(request, s->wall_s, &result));
   if (request->write_matrix[0])
     PetscCall(MpmMatrixWrite(request->write_matrix, s->op->A, s->op->exponent, s->op->period, &kept));
-  PetscCall(MpmExpectFinding(&request->expect, &s->finding, missed));
+  PetscCall(MpmExpectFinding(&request->expect, s->finding.verdict, s->finding.growth, missed));
   json_decref(states.all);
   json_decref(states.more);
   PetscCall(MpmSpectrumDestroy(&states.most));

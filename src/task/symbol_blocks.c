@@ -199,7 +199,7 @@ PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, P
   PetscCall(Compute(request, &answer));
   PetscCall(WriteFiles(request, &answer));
   PetscCall(Report(request, &answer, MPI_Wtime() - started));
-  PetscCall(MpmExpectFinding(&request->expect, &answer.finding, missed));
+  PetscCall(MpmExpectFinding(&request->expect, answer.finding.verdict, answer.finding.growth, missed));
   PetscCall(MpmSymbolDestroy(&answer.symbol));
   if (answer.motion.n)
     PetscCall(MpmMotionDestroy(&answer.motion));

@@ -73,11 +73,10 @@ PetscErrorCode MpmSpectrumWriteFiles(const MpmSpectrum *spectrum);
 
 /*
    Collective. Compare what a scene expects with what came out, print each expectation that is missed, and add to their
-   number: of a run; of the verdict and growth of a computed spectrum or symbol; of one number.
+   number: of a run; of a verdict, and of the number that the task finds: growth, critical Courant number or share.
 */
 PetscErrorCode MpmExpectRun(const MpmRun *run, PetscInt *missed);
-PetscErrorCode MpmExpectFinding(const MpmExpect *expect, const MpmFinding *finding, PetscInt *missed);
-PetscErrorCode MpmExpectNumber(const MpmExpect *expect, MpmExpected which, PetscReal value, PetscInt *missed);
+PetscErrorCode MpmExpectFinding(const MpmExpect *expect, MpmVerdict verdict, PetscReal number, PetscInt *missed);
 
 /*
    MpmRunFilesCreate - marches a scene, reads and writes the files that it names, and measures.

@@ -8,18 +8,16 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
 {
   MpmCriticalCase   of     = MpmCriticalCaseOf(scene, request->tolerance);
   const PetscBool   wanted = MpmNeighbourhoodsWanted(request);
-  MpmExpect         expect = request->expect;
   MpmNeighbourhood  place  = {.kind = MPM_IN_BULK};
   MpmNeighbourhoods around, *all  = wanted ? &around : NULL;
   MpmCritical       found, *bulk  = request->neighbourhood[MPM_IN_BULK] ? &found : NULL;
   MpmStepTable      steps, *table = NULL;
 
   PetscFunctionBegin;
-  expect.has[MPM_EXPECT_SPECTRUM] = PETSC_FALSE; /* it is about the waves on the scene's grid */
-  of.all_particles                = !request->nodal;
-  of.sweeps                       = request->step_bound_sweeps;
-  of.chance                       = request->step_bound_chance;
-  of.each                         = scene->layout.given && request->write_layout[0];
+  of.all_particles = !request->nodal;
+  of.sweeps        = request->step_bound_sweeps;
+  of.chance        = request->step_bound_chance;
+  of.each          = scene->layout.given && request->write_layout[0];
   if (bulk) {
     PetscCall(MpmCriticalFind(&of, PETSC_FALSE, bulk));
     place = MpmNeighbourhoodOfCritical(bulk);
@@ -32,8 +30,8 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
   if (request->csv[0] && bulk) PetscCall(MpmCriticalWriteCsv(request->csv, scene, bulk, table));
   if (of.each) PetscCall(MpmCriticalWriteLayout(request->write_layout, scene, bulk));
   PetscCall(MpmCriticalReport(scene, request, bulk, all, table, MPI_Wtime() - started));
-  PetscCall(MpmExpectFinding(&expect, all ? &all->finding : &bulk->asked, missed));
-  PetscCall(MpmExpectNumber(&expect, MPM_EXPECT_CRITICAL, all ? all->courant : bulk->courant, missed));
+  PetscCall(MpmExpectFinding(&request->expect, all ? all->finding.verdict : bulk->asked.verdict,
+                             all ? all->courant : bulk->courant, missed));
   if (of.each) PetscCall(PetscFree(bulk->each));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -41,18 +39,15 @@ static PetscErrorCode One(const MpmScene *scene, const MpmRequest *request, Pets
 /* The Mach number is kept, so that the drift changes with the Courant number. */
 static PetscErrorCode AtMach(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  const MpmCriticalCase of     = MpmCriticalCaseOf(scene, request->tolerance);
-  MpmExpect             expect = request->expect;
+  const MpmCriticalCase of = MpmCriticalCaseOf(scene, request->tolerance);
   MpmCriticalMach       found;
 
   PetscFunctionBegin;
-  expect.has[MPM_EXPECT_SPECTRUM] = PETSC_FALSE; /* it is about the waves on the scene's grid */
   PetscCall(MpmCriticalMachCreate(&of, &request->mach, &found));
   if (request->csv[0]) PetscCall(MpmCriticalMachWriteCsv(scene, request, &found));
   PetscCall(MpmCriticalMachReport(scene, request, &found, MPI_Wtime() - started));
-  PetscCall(MpmExpectFinding(&expect, &found.asked, missed));
-  PetscCall(MpmExpectNumber(&expect, MPM_EXPECT_CRITICAL, found.stable ? found.points[found.stable - 1].courant : NAN,
-                            missed));
+  PetscCall(MpmExpectFinding(&request->expect, found.asked.verdict,
+                             found.stable ? found.points[found.stable - 1].courant : NAN, missed));
   PetscCall(MpmCriticalMachDestroy(&found));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -72,8 +67,7 @@ static PetscErrorCode OfProgram(const MpmRequest *request, PetscReal started, Pe
   MpmReportCriticalPlan(&critical);
   PetscCall(MpmCriticalProgramFind(&program, started, &critical));
   PetscCall(MpmCriticalProgramReport(&program, &critical, MPI_Wtime() - started));
-  PetscCall(MpmExpectFinding(&request->expect, &critical.finding, missed));
-  PetscCall(MpmExpectNumber(&request->expect, MPM_EXPECT_CRITICAL, critical.critical, missed));
+  PetscCall(MpmExpectFinding(&request->expect, critical.finding.verdict, critical.critical, missed));
   PetscCall(MpmCriticalProgramDestroy(&critical));
   PetscCall(MpmProgramClose(&program));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -70,16 +70,13 @@ static PetscErrorCode WriteCsv(const MpmEnsemble *e)
 
 PetscErrorCode MpmTaskEnsemble(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmExpect    expect = request->expect;
   MpmEnsemble *ensemble;
 
   PetscFunctionBegin;
-  expect.has[MPM_EXPECT_SPECTRUM] = PETSC_FALSE; /* it is about one layout */
   PetscCall(MpmEnsembleCreate(scene, request, &ensemble));
   if (request->csv[0]) PetscCall(WriteCsv(ensemble));
   PetscCall(Report(ensemble, MPI_Wtime() - started));
-  PetscCall(MpmExpectFinding(&expect, &ensemble->finding, missed));
-  PetscCall(MpmExpectNumber(&expect, MPM_EXPECT_SHARE, ensemble->share, missed));
+  PetscCall(MpmExpectFinding(&request->expect, ensemble->finding.verdict, ensemble->share, missed));
   PetscCall(MpmEnsembleDestroy(&ensemble));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -317,12 +317,10 @@ static PetscErrorCode MapOfProgram(MpmProgram *p, MpmStabilityMap **map)
 
 PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  MpmExpect        expect = request->expect;
   MpmProgram       program;
   MpmStabilityMap *map;
 
   PetscFunctionBegin;
-  expect.has[MPM_EXPECT_SPECTRUM] = PETSC_FALSE; /* it is about one point */
   if (scene)
     PetscCall(MpmStabilityMapCreate(scene, request, &map));
   else {
@@ -332,7 +330,7 @@ PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, Pets
   if (request->csv[0]) PetscCall(WriteCsv(map));
   if (request->output[0]) PetscCall(WriteOutput(map));
   PetscCall(Report(map, MPI_Wtime() - started));
-  PetscCall(MpmExpectFinding(&expect, &map->finding, missed));
+  PetscCall(MpmExpectFinding(&request->expect, map->finding.verdict, NAN, missed));
   PetscCall(MpmStabilityMapDestroy(&map));
   if (!scene) PetscCall(MpmProgramClose(&program));
   PetscFunctionReturn(PETSC_SUCCESS);

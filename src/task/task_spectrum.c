@@ -406,7 +406,7 @@ static PetscErrorCode OfTangent(const MpmScene *scene, const MpmRequest *request
     MpmPrint("the run ends in this step, because a particle fails\n");
   PetscCall(MpmResultEnd(request, s->wall_s, &result));
   if (request->write_matrix[0]) PetscCall(Write(request->write_matrix, s->op));
-  PetscCall(MpmExpectFinding(&request->expect, &s->finding, missed));
+  PetscCall(MpmExpectFinding(&request->expect, s->finding.verdict, s->finding.growth, missed));
   PetscCall(MpmSpectrumDestroy(&s));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -417,6 +417,7 @@ PetscErrorCode MpmTaskSpectrum(const MpmScene *scene, const MpmRequest *request,
   MpmCertificates   certificates;
   MpmNeighbourhood  place = {.kind = MPM_IN_BULK};
   MpmNeighbourhoods around, *all = MpmNeighbourhoodsWanted(request) ? &around : NULL;
+  const MpmFinding *found;
   json_t           *result;
 
   PetscFunctionBegin;
@@ -442,7 +443,8 @@ PetscErrorCode MpmTaskSpectrum(const MpmScene *scene, const MpmRequest *request,
   PetscCall(MpmSpectrumReport(result, scene, request, bulk, all));
   PetscCall(MpmResultEnd(request, MPI_Wtime() - started, &result));
   if (bulk && request->write_matrix[0]) PetscCall(Write(request->write_matrix, bulk->op));
-  PetscCall(MpmExpectFinding(&request->expect, all ? &all->finding : &bulk->finding, missed));
+  found = all ? &all->finding : &bulk->finding;
+  PetscCall(MpmExpectFinding(&request->expect, found->verdict, found->growth, missed));
   if (bulk) PetscCall(MpmSpectrumDestroy(&bulk));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -330,7 +330,7 @@ static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, 
   PetscCall(WriteFiles(scene, request, &a));
   if (request->write_blocks[0]) PetscCall(WriteBlocks(scene, request->write_blocks));
   PetscCall(Report(scene, request, &a, MPI_Wtime() - started));
-  PetscCall(MpmExpectFinding(&request->expect, &a.finding, missed));
+  PetscCall(MpmExpectFinding(&request->expect, a.finding.verdict, a.finding.growth, missed));
   PetscCall(MpmDampingDestroy(&a.damping));
   PetscCall(MpmPredictorDestroy(&a.predictor));
   PetscCall(MpmSymbolDestroy(&a.symbol));
