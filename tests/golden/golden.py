@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Runs the commands of the golden set again and compares what they give with what is recorded.
 
-golden.py MPMSTAB [--record] [--only PATTERN] [--jobs N] [--mpiexec MPIEXEC] [--slowest N]
+golden.py MPMSTAB [--record] [--only PATTERN] [--jobs N] [--ranks N] [--mpiexec MPIEXEC] [--slowest N]
 
 cases/GROUP.txt has the commands, answers/GROUP.json what they gave. README.md says how both are written.
 """
@@ -90,7 +90,8 @@ def run(case, arguments):
             os.symlink(os.path.join(ROOT, name), os.path.join(folder, name))
         for number, command in enumerate(case.command.split(" && "), 1):
             words = shlex.split(command)
-            launch = [arguments.mpiexec, "-q", "-n", str(case.ranks)] if case.ranks > 1 else []
+            ranks = arguments.ranks or case.ranks
+            launch = [arguments.mpiexec, "-q", "-n", str(ranks)] if ranks > 1 else []
             task = words[0] if words else ""
             if task in TOOLS:
                 words[0] = os.environ.get("CC", task) if task == "cc" else task
@@ -202,6 +203,7 @@ def main():
     parser.add_argument("--record", action="store_true")
     parser.add_argument("--only", default="*")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--ranks", type=int, help="of all cases, in place of their own")
     parser.add_argument("--mpiexec", default="mpirun")
     parser.add_argument("--slowest", type=int, default=0)
     arguments = parser.parse_args()
