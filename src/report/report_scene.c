@@ -219,7 +219,7 @@ static PetscErrorCode PrintScene(const MpmScene *s, const MpmRequest *request)
     const MpmField *option = &MpmOptions[MpmOptionIndex(*reads)];
     char            text[64];
 
-    if (!option->shown(s, MPM_IN_JSON)) continue;
+    if (!option->shown(s, MPM_IN_JSON, option)) continue;
     (void)snprintf(text, sizeof text, ", %s {%s}", *reads, *reads);
     PetscCall(PrintFields(s, request, text));
   }

@@ -85,7 +85,7 @@ static PetscBool IsShown(const MpmField *field, MpmRecord record, const MpmScene
 
   if (!field->place[record] || !owner) return PETSC_FALSE;
   if (field->value == MPM_AS_TEXT && !field->text) return owner[field->at] ? PETSC_TRUE : PETSC_FALSE; /* a file */
-  return field->shown ? field->shown(scene, record) : PETSC_TRUE;
+  return field->shown ? field->shown(scene, record, field) : PETSC_TRUE;
 }
 
 PetscErrorCode MpmValuesIn(MpmRecord record, const MpmScene *scene, const MpmRequest *request, PetscInt *n,

@@ -55,7 +55,7 @@ typedef enum { MPM_FILE_NONE, MPM_FILE_READ, MPM_FILE_WRITTEN } MpmFileUse;
 /*S
    MpmField - one field of a scene or of a request.
 S*/
-typedef struct {
+typedef struct MpmField_ {
   const char   *name;            /* of the option, which is also the key in a scene file, and of the value in records */
   MpmOptionKind kind;            /* how the option is given */
   const char   *fallback, *help; /* its default as text, NULL: none; its meaning, as 'mpmstab list options' prints it */
@@ -76,7 +76,8 @@ typedef struct {
   PetscBool of_matrix; /* it is also read where a matrix from a file takes the place of the scene */
   const char *(*text)(const MpmScene *scene); /* a text is what this function says, or is at its place itself */
   int place[MPM_RECORDS]; /* for each record its place among those that are shown there, from 1; 0: it is not shown */
-  PetscBool (*shown)(const MpmScene *scene, MpmRecord record); /* whether a record shows it (NULL: always) */
+  PetscBool (*shown)(const MpmScene *scene, MpmRecord record,
+                     const struct MpmField_ *field); /* whether a record shows it (NULL: always) */
   const char *json;    /* its key there when that is not its name; 'object.key' is a key inside an object */
   PetscBool   exact;   /* headings show the fraction as such */
   PetscBool   no_key;  /* it stands on the command line only */

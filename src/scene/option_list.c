@@ -51,7 +51,7 @@ static PetscInt StressNumbers(const MpmScene *scene)
 
 /* ---- when a record shows a field: JSON leaves out what is the default ---- */
 
-#define WHEN(function, condition) static PetscBool function(const MpmScene *s, MpmRecord in) { (void)s, (void)in; return (condition) ? PETSC_TRUE : PETSC_FALSE; }
+#define WHEN(function, condition) static PetscBool function(const MpmScene *s, MpmRecord in, const MpmField *f) { (void)s, (void)in, (void)f; return (condition) ? PETSC_TRUE : PETSC_FALSE; }
 
 static PetscBool TransferReads(const MpmScene *s, const char option[])
 {
@@ -103,11 +103,11 @@ WHEN(HasSeed, in == MPM_IN_FILE || s->layout.jitter != 0 || (s->layout.given && 
 WHEN(HasCounts, in != MPM_IN_JSON || s->layout.counts.n > 1)
 WHEN(HasCluster, in != MPM_IN_JSON || s->layout.cluster[1] - s->layout.cluster[0] < 1)
 WHEN(HasMaterial, in != MPM_IN_JSON || s->layout.material.kind != MPM_MATERIAL_UNIFORM)
-WHEN(HasMaterialName, s->law != &MpmLawLinear || HasMaterial(s, in))
+WHEN(HasMaterialName, s->law != &MpmLawLinear || HasMaterial(s, in, f))
 WHEN(HasInclusion, in == MPM_IN_FILE || in == MPM_IN_MODE_FILE || s->layout.material.kind == MPM_MATERIAL_TWO)
 WHEN(HasPrestress, MpmSpaceIsPrestressed(&s->scheme.space))
 WHEN(HasMove, s->scheme.space.displaced || s->scheme.space.finite)
-WHEN(HasMoveShare, MpmFormulationReads(s->scheme.formulation, "move_share") && HasMove(s, in))
+WHEN(HasMoveShare, MpmFormulationReads(s->scheme.formulation, "move_share") && HasMove(s, in, f))
 WHEN(HasRkPlaces, s->scheme.numbers.rk_places != MPM_RK_FROZEN)
 WHEN(HasRelax, s->scheme.numbers.rk_relax)
 WHEN(HasKinematics, s->scheme.space.finite)
@@ -116,25 +116,9 @@ WHEN(HasGravity, s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0)
 WHEN(HasStretch, s->law != &MpmLawLinear || s->scheme.space.finite)
 WHEN(HasLameRatio, s->law == &MpmLawNeo || (s->scheme.space.finite && s->law->solid))
 WHEN(HasExponent, s->law->exponent > 0)
-WHEN(HasDamping, s->grid_damping != 0)
-WHEN(HasLocal, s->scheme.space.local != 0)
-WHEN(HasViscosity, s->viscosity != 0)
-WHEN(HasBulkViscosity, s->bulk_viscosity != 0)
-WHEN(HasShearViscosity, s->shear_viscosity != 0)
 
-/* A number of a law: shown where the material reads it. */
-#define PLASTIC(function, which) WHEN(function, s->law->number[which].reads)
-PLASTIC(HasYield, MPM_YIELD)
-PLASTIC(HasHardening, MPM_HARDENING)
-PLASTIC(HasSaturation, MPM_SATURATION)
-PLASTIC(HasSaturationRate, MPM_SATURATION_RATE)
-PLASTIC(HasCompressionLimit, MPM_COMPRESSION_LIMIT)
-PLASTIC(HasStretchLimit, MPM_STRETCH_LIMIT)
-PLASTIC(HasFrictionAngle, MPM_FRICTION_ANGLE)
-PLASTIC(HasConsistency, MPM_CONSISTENCY)
-PLASTIC(HasFlowIndex, MPM_FLOW_INDEX)
-WHEN(HasLinear, s->artificial[0] != 0)
-WHEN(HasQuadratic, s->artificial[1] != 0)
+WHEN(IsNotZero, *(const PetscReal *)((const char *)s + f->at) != 0)
+WHEN(LawReads, s->law->number[(f->at - offsetof(MpmScene, plastic)) / sizeof s->plastic[0]].reads)
 
 /* ---- the table ---- */
 
@@ -232,23 +216,23 @@ const MpmField MpmOptions[] = {
   {"exponent", MPM_REAL, NULL, "material tait (7) and polytropic (1.4): the power of the density that pressure grows with",
    ABOVE(0), KEPT(AS_REAL, exponent), IN(78, 60, 51, 44), SHOWN(HasExponent), .json = "material.exponent"},
   {"yield", MPM_REAL, NULL, "material mises: the yield stress of the start, over rho0 c0^2 (0.005); clay: its preconsolidation pressure (0.01); herschel_bulkley: the shear stress below which it hardly flows (0)",
-   FROM(0), KEPT(AS_REAL, plastic[MPM_YIELD]), IN(97, 79, 72, 0), SHOWN(HasYield), .json = "material.yield"},
+   FROM(0), KEPT(AS_REAL, plastic[MPM_YIELD]), IN(97, 79, 72, 0), SHOWN(LawReads), .json = "material.yield"},
   {"hardening", MPM_REAL, NULL, "material mises: growth of the yield stress per plastic strain, over rho0 c0^2 (0); snow and clay: of the logarithm of the moduli, or of the preconsolidation pressure, per plastic loss of volume (10)",
-   FROM(0), KEPT(AS_REAL, plastic[MPM_HARDENING]), IN(98, 80, 73, 0), SHOWN(HasHardening), .json = "material.hardening"},
+   FROM(0), KEPT(AS_REAL, plastic[MPM_HARDENING]), IN(98, 80, 73, 0), SHOWN(LawReads), .json = "material.hardening"},
   {"saturation", MPM_REAL, NULL, "material mises: what Voce's hardening adds to the yield stress in the end, over rho0 c0^2 (0)",
-   FROM(0), KEPT(AS_REAL, plastic[MPM_SATURATION]), IN(99, 81, 74, 0), SHOWN(HasSaturation), .json = "material.saturation"},
+   FROM(0), KEPT(AS_REAL, plastic[MPM_SATURATION]), IN(99, 81, 74, 0), SHOWN(LawReads), .json = "material.saturation"},
   {"saturation_rate", MPM_REAL, NULL, "material mises: how fast Voce's hardening comes to it, per plastic strain (10)",
-   FROM(0), KEPT(AS_REAL, plastic[MPM_SATURATION_RATE]), IN(100, 82, 75, 0), SHOWN(HasSaturationRate), .json = "material.saturation_rate"},
+   FROM(0), KEPT(AS_REAL, plastic[MPM_SATURATION_RATE]), IN(100, 82, 75, 0), SHOWN(LawReads), .json = "material.saturation_rate"},
   {"compression_limit", MPM_REAL, NULL, "material snow: elastic compression along a principal axis beyond which it flows (0.025)",
-   ABOVE(0), KEPT(AS_REAL, plastic[MPM_COMPRESSION_LIMIT]), IN(101, 83, 76, 0), SHOWN(HasCompressionLimit), .json = "material.compression_limit"},
+   ABOVE(0), KEPT(AS_REAL, plastic[MPM_COMPRESSION_LIMIT]), IN(101, 83, 76, 0), SHOWN(LawReads), .json = "material.compression_limit"},
   {"stretch_limit", MPM_REAL, NULL, "material snow: elastic extension along a principal axis beyond which it flows (0.0075)",
-   ABOVE(0), KEPT(AS_REAL, plastic[MPM_STRETCH_LIMIT]), IN(102, 84, 77, 0), SHOWN(HasStretchLimit), .json = "material.stretch_limit"},
+   ABOVE(0), KEPT(AS_REAL, plastic[MPM_STRETCH_LIMIT]), IN(102, 84, 77, 0), SHOWN(LawReads), .json = "material.stretch_limit"},
   {"friction_angle", MPM_REAL, NULL, "material sand: the angle of internal friction, in degrees (35); clay: that of the critical state (25)",
-   BETWEEN(0, 90), KEPT(AS_REAL, plastic[MPM_FRICTION_ANGLE]), IN(103, 85, 78, 0), SHOWN(HasFrictionAngle), .json = "material.friction_angle"},
+   BETWEEN(0, 90), KEPT(AS_REAL, plastic[MPM_FRICTION_ANGLE]), IN(103, 85, 78, 0), SHOWN(LawReads), .json = "material.friction_angle"},
   {"consistency", MPM_REAL, NULL, "material herschel_bulkley: K of the shear stress yield + K rate^flow_index; in units of rho c^2 (h / c)^flow_index, in a scene in physical units pressure x time^flow_index (0)",
-   FROM(0), KEPT(AS_REAL, plastic[MPM_CONSISTENCY]), IN(111, 94, 87, 0), SHOWN(HasConsistency), .json = "material.consistency"},
+   FROM(0), KEPT(AS_REAL, plastic[MPM_CONSISTENCY]), IN(111, 94, 87, 0), SHOWN(LawReads), .json = "material.consistency"},
   {"flow_index", MPM_REAL, NULL, "material herschel_bulkley: the power of the shear rate: below 1 it thins as it flows, above 1 it thickens (1)",
-   ABOVE(0), KEPT(AS_REAL, plastic[MPM_FLOW_INDEX]), IN(112, 95, 88, 0), SHOWN(HasFlowIndex), .json = "material.flow_index"},
+   ABOVE(0), KEPT(AS_REAL, plastic[MPM_FLOW_INDEX]), IN(112, 95, 88, 0), SHOWN(LawReads), .json = "material.flow_index"},
   {"prestress", MPM_REAL, "0", "momentum schemes: sigma0 / (rho c^2), the stress of the state that the scheme is linear about; c is the speed of P waves along x there. With dim 2 along x,y or xx,xy,yy; with dim 3 along x,y,z or xx,xy,xz,yy,yz,zz",
    BETWEEN(-1e6, 1e6), MADE(AS_REAL, scheme.space.prestress), .each = STRIDE(scheme.space.prestress[0]), .numbers = StressNumbers, IN(79, 61, 52, 45), SHOWN(HasPrestress)},
   {"move", MPM_WORD, "grid", "with a prestress or kinematics finite: particles move with the new velocity of the grid, or with that of the second P2G (musl, usavg)",
@@ -258,19 +242,19 @@ const MpmField MpmOptions[] = {
   {"gravity", MPM_REAL, NULL, "kinematics finite: acceleration of gravity in each direction, in length / time^2, such as 0,-9.81",
    ANY, .tasks = "run, spectrum", EACH(AS_REAL, gravity, gravity[0]), IN(82, 64, 57, 48), SHOWN(HasGravity)},
   {"grid_damping", MPM_REAL, "0", "momentum schemes: alpha, the grid's velocity loses alpha dt of itself in a step; in units of c / h, in a scene in physical units per time",
-   FROM(0), KEPT(AS_REAL, grid_damping), IN(104, 86, 79, 55), SHOWN(HasDamping)},
+   FROM(0), KEPT(AS_REAL, grid_damping), IN(104, 86, 79, 55), SHOWN(IsNotZero)},
   {"local_damping", MPM_REAL, "0", "momentum schemes: the part of the force on each node that is taken off against its velocity (Cundall), from 0 to 1",
-   BETWEEN(0, 1), KEPT(AS_REAL, scheme.space.local), IN(108, 91, 84, 0), SHOWN(HasLocal)},
+   BETWEEN(0, 1), KEPT(AS_REAL, scheme.space.local), IN(108, 91, 84, 0), SHOWN(IsNotZero)},
   {"viscosity", MPM_REAL, "0", "momentum schemes: viscosity of a Kelvin-Voigt solid, in proportion to its stiffness; eta of P waves, in units of rho c h, in a scene in physical units pressure x time",
-   FROM(0), KEPT(AS_REAL, viscosity), IN(105, 87, 80, 56), SHOWN(HasViscosity)},
+   FROM(0), KEPT(AS_REAL, viscosity), IN(105, 87, 80, 56), SHOWN(IsNotZero)},
   {"shear_viscosity", MPM_REAL, "0", "momentum schemes: viscosity of a Newtonian fluid without bulk viscosity, 2 eta times the deviator of the strain rate; in the units of viscosity. Of material herschel_bulkley the largest viscosity",
-   FROM(0), KEPT(AS_REAL, shear_viscosity), IN(106, 88, 81, 57), SHOWN(HasShearViscosity)},
+   FROM(0), KEPT(AS_REAL, shear_viscosity), IN(106, 88, 81, 57), SHOWN(IsNotZero)},
   {"bulk_viscosity", MPM_REAL, "0", "momentum schemes: viscosity against a change of volume, times the divergence of the velocity; in the units of viscosity",
-   FROM(0), KEPT(AS_REAL, bulk_viscosity), IN(107, 89, 82, 58), SHOWN(HasBulkViscosity)},
+   FROM(0), KEPT(AS_REAL, bulk_viscosity), IN(107, 89, 82, 58), SHOWN(IsNotZero)},
   {"artificial_linear", MPM_REAL, "0", "kinematics finite: C1 of the artificial viscosity of von Neumann and Richtmyer, which adds the pressure C1 rho c h abs(div v) where particles are compressed (0.2 in Uintah, 0.06 in MPM3D)",
-   FROM(0), KEPT(AS_REAL, artificial[0]), IN(113, 96, 89, 0), SHOWN(HasLinear)},
+   FROM(0), KEPT(AS_REAL, artificial[0]), IN(113, 96, 89, 0), SHOWN(IsNotZero)},
   {"artificial_quadratic", MPM_REAL, "0", "kinematics finite: C2 of the same, which adds C2 rho (h div v)^2 (2 in Uintah, 1.5 in MPM3D)",
-   FROM(0), KEPT(AS_REAL, artificial[1]), IN(114, 97, 90, 0), SHOWN(HasQuadratic)},
+   FROM(0), KEPT(AS_REAL, artificial[1]), IN(114, 97, 90, 0), SHOWN(IsNotZero)},
   {"density_ratio", MPM_REAL, "1", "density of the second material over the first's",
    BETWEEN(1e-15, 1e15), KEPT(AS_REAL, layout.material.density), IN(28, 19, 16, 10), SHOWN(HasMaterial), .json = "material.density_ratio"},
   {"stiffness_ratio", MPM_REAL, "1", "stiffness of the second material over the first's",

@@ -256,43 +256,31 @@ PetscErrorCode MpmSettingsCheckPeriod(const MpmSettings *settings, const MpmScen
 
 /* ---- units, grid and time ---- */
 
-/* The domain has the length of its cells, whose width is given. */
-static PetscErrorCode ReadLengths(const MpmSettings *settings, MpmScene *scene)
-{
-  PetscFunctionBegin;
-  for (PetscInt a = 0; a < scene->layout.dim; a++) {
-    scene->length[a] = scene->cell_width * scene->layout.grid[a].cells;
-    MpmSettingsRefuseIf(!isnormal(scene->cell_width) || !isfinite(scene->length[a]), settings, "cell_width",
-                        "the domain's length is out of range; allowed: a number nearer to 1");
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* All directions have cells of one width. Where no length is given, the first direction has that of the default. */
+/*
+   All directions have cells of one width, which is given or follows from the length. Where no length is given, the first
+   direction has that of the default.
+*/
 static PetscErrorCode ReadGrid(const MpmSettings *settings, MpmScene *scene)
 {
-  const MpmLayout *l = &scene->layout;
+  const MpmLayout *l         = &scene->layout;
+  const PetscBool  has_width = MpmSettingsGiven(settings, "cell_width");
 
   PetscFunctionBegin;
   scene->scheme.space.dim = l->dim;
-  if (MpmSettingsGiven(settings, "cell_width")) {
-    PetscCall(ReadLengths(settings, scene));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  scene->cell_width = scene->length[0] / l->grid[0].cells;
-  MpmSettingsRefuseIf(!isnormal(scene->cell_width), settings, "length",
+  if (!has_width) scene->cell_width = scene->length[0] / l->grid[0].cells;
+  MpmSettingsRefuseIf(!has_width && !isnormal(scene->cell_width), settings, "length",
                       "cells of this length vanish; allowed: a larger length");
-  for (PetscInt a = 1; a < l->dim; a++) {
-    const PetscReal width = scene->length[a] / l->grid[a].cells;
-
-    if (MpmSettingsSource(settings, "length") == MPM_FROM_DEFAULT) {
+  for (PetscInt a = 0; a < l->dim; a++) {
+    if (has_width || (a && MpmSettingsSource(settings, "length") == MPM_FROM_DEFAULT))
       scene->length[a] = scene->cell_width * l->grid[a].cells;
-      continue;
-    }
-    MpmSettingsRefuseIf(!(fabs(width - scene->cell_width) <= SAME_WIDTH * scene->cell_width), settings, "length",
-                        "cells are %.6g wide in the first direction and %.6g in direction %" PetscInt_FMT
-                        "; allowed: the same width in all",
-                        scene->cell_width, width, a + 1);
+    MpmSettingsRefuseIf(has_width && (!isnormal(scene->cell_width) || !isfinite(scene->length[a])), settings,
+                        "cell_width", "the domain's length is out of range; allowed: a number nearer to 1");
+    MpmSettingsRefuseIf(
+        !(fabs(scene->length[a] / l->grid[a].cells - scene->cell_width) <= SAME_WIDTH * scene->cell_width), settings,
+        "length",
+        "cells are %.6g wide in the first direction and %.6g in direction %" PetscInt_FMT
+        "; allowed: the same width in all",
+        scene->cell_width, scene->length[a] / l->grid[a].cells, a + 1);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -9,7 +9,6 @@
 
 #define MESSAGE 4096
 #define BETWEEN_WORDS " \t\n'\"=;|&<>()"
-#define LONGEST 1024 /* characters of a name of a file */
 
 /* Whether the task reads an option that names a file which is used so, and the option was given. */
 static PetscBool IsUsed(const MpmSettings *settings, const char task[], PetscInt option, MpmFileUse use)
@@ -51,29 +50,15 @@ static PetscErrorCode CheckOutput(const MpmSettings *settings, MpmRequest *reque
 
 /* ---- no file is overwritten that is read, or that is written already ---- */
 
-/* Finds a word of a command that is the same file. */
-static PetscBool HasWord(const char command[], const char path[])
+/* Whether a word of a text is the same file. */
+static PetscBool HasFile(const char text[], const char separators[], const char path[])
 {
-  char word[LONGEST];
+  char word[PETSC_MAX_PATH_LEN];
 
-  for (size_t n; *command; command += n + strspn(command + n, BETWEEN_WORDS)) {
-    n = strcspn(command, BETWEEN_WORDS);
-    (void)snprintf(word, sizeof word, "%.*s", (int)n, command);
-    if (n < sizeof word && MpmFileIsSame(word, path)) return PETSC_TRUE;
-  }
-  return PETSC_FALSE;
-}
-
-/* Whether a file is one of those that keys inside options name. */
-static PetscBool IsInside(const MpmText *files, const char path[])
-{
-  const char *line = files->text ? files->text : "";
-  char        file[PETSC_MAX_PATH_LEN];
-
-  for (size_t n; *line; line += n + 1) {
-    n = strcspn(line, "\n");
-    (void)snprintf(file, sizeof file, "%.*s", (int)n, line);
-    if (MpmFileIsSame(file, path)) return PETSC_TRUE;
+  for (size_t n; text && *text; text += n + strspn(text + n, separators)) {
+    n = strcspn(text, separators);
+    (void)snprintf(word, sizeof word, "%.*s", (int)n, text);
+    if (n && n < sizeof word && MpmFileIsSame(word, path)) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
@@ -91,9 +76,8 @@ static PetscErrorCode FindInput(const MpmSettings *settings, const char task[], 
   for (PetscInt i = 0; MpmOptions[i].name; i++)
     if (IsUsed(settings, task, i, MPM_FILE_READ) && MpmFileIsSame(settings->text[i], path))
       (void)snprintf(role, room, "%s", MpmOptions[i].name);
-  if (MpmSettingsGiven(settings, "program") && HasWord(MpmSettingsText(settings, "program"), path))
-    (void)snprintf(role, room, "%s", "program");
-  if (IsInside(settings->files, path)) (void)snprintf(role, room, "%s", "path of a body");
+  if (HasFile(MpmSettingsText(settings, "program"), BETWEEN_WORDS, path)) (void)snprintf(role, room, "%s", "program");
+  if (HasFile(settings->files->text, "\n", path)) (void)snprintf(role, room, "%s", "path of a body");
   for (int i = 0; there; i++) {
     PetscCall(MpmSettingsPlaceFile(i, sizeof file, file, &there));
     if (there && MpmFileIsSame(file, path)) (void)snprintf(role, room, "%s", "file of options");

@@ -55,9 +55,8 @@ PetscErrorCode MpmTaskCritical(const MpmScene *scene, const MpmRequest *request,
 PetscErrorCode MpmTaskEnsemble(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
 PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
 
-/* Collective. The same for a code that is probed, and for the blocks of a lattice, in the place of a scene. */
+/* Collective. The same for a code that is probed in the place of a scene. */
 PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started, PetscInt *missed);
-PetscErrorCode MpmSymbolOfBlocks(const MpmRequest *request, PetscReal started, PetscInt *missed);
 
 /*
    MpmSpectrumReport - the part of a report on a spectrum that comes after its heading. spectrum: of the bulk, or NULL.

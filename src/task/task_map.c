@@ -131,31 +131,25 @@ static PetscErrorCode Report(MpmStabilityMap *map, PetscReal wall_s)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static const char *BetaName(PetscInt dim, PetscInt axis)
+/* The name of a column of numbers for each direction. */
+static const char *NameOf(const MpmStabilityMap *map, const char what[], PetscInt a, char name[16])
 {
-  static const char *const names[] = {"beta_x", "beta_y", "beta_z"};
-
-  return dim == 1 ? "beta" : names[axis];
-}
-
-static const char *DriftName(PetscInt dim, PetscInt axis)
-{
-  static const char *const names[] = {"drift_x", "drift_y", "drift_z"};
-
-  return dim == 1 ? "drift" : names[axis];
+  (void)snprintf(name, 16, map->waves == 1 ? "%s" : "%s_%c", what, "xyz"[a]);
+  return name;
 }
 
 static PetscErrorCode WriteCsv(const MpmStabilityMap *map)
 {
   const PetscInt dim = map->waves;
   MpmTextFile    csv;
+  char           name[16];
 
   PetscFunctionBegin;
   PetscCall(MpmTextFileOpen(map->request->csv, &csv));
   if (csv.stream) {
     fprintf(csv.stream, "%s,%s,growth", map->request->axes[0].name, map->request->axes[1].name);
-    for (PetscInt a = 0; a < dim; a++) fprintf(csv.stream, ",%s", BetaName(dim, a));
-    for (PetscInt a = 0; a < dim && map->drift[a]; a++) fprintf(csv.stream, ",%s", DriftName(dim, a));
+    for (PetscInt a = 0; a < dim; a++) fprintf(csv.stream, ",%s", NameOf(map, "beta", a, name));
+    for (PetscInt a = 0; a < dim && map->drift[a]; a++) fprintf(csv.stream, ",%s", NameOf(map, "drift", a, name));
     fprintf(csv.stream, ",verdict%s\n", map->fault ? ",fails" : "");
     for (PetscInt i = 0; i < map->points[0] * map->points[1]; i++) {
       fprintf(csv.stream, "%.17g", map->at[0][i / map->points[1]]);
@@ -176,6 +170,7 @@ static PetscErrorCode WriteCsv(const MpmStabilityMap *map)
 static PetscErrorCode WriteOutput(const MpmStabilityMap *map)
 {
   MpmDataFile file;
+  char        name[16];
 
   PetscFunctionBegin;
   PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, map->scene, map->request, &file));
@@ -183,9 +178,11 @@ static PetscErrorCode WriteOutput(const MpmStabilityMap *map)
     PetscCall(MpmDataFileArray(&file, "/map", map->request->axes[a].name, map->points[a], 1, map->at[a]));
   PetscCall(MpmDataFileArray(&file, "/map", "growth", map->points[0], map->points[1], map->growth));
   for (PetscInt a = 0; a < map->waves; a++)
-    PetscCall(MpmDataFileArray(&file, "/map", BetaName(map->waves, a), map->points[0], map->points[1], map->beta[a]));
+    PetscCall(
+        MpmDataFileArray(&file, "/map", NameOf(map, "beta", a, name), map->points[0], map->points[1], map->beta[a]));
   for (PetscInt a = 0; a < map->waves && map->drift[a]; a++)
-    PetscCall(MpmDataFileArray(&file, "/map", DriftName(map->waves, a), map->points[0], map->points[1], map->drift[a]));
+    PetscCall(
+        MpmDataFileArray(&file, "/map", NameOf(map, "drift", a, name), map->points[0], map->points[1], map->drift[a]));
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -6,7 +6,9 @@
 #include "base/textfile.h"
 #include "io/datafile.h"
 #include "io/matrix_file.h"
+#include "probe/motion.h"
 #include "report/report.h"
+#include "report/report_program.h"
 #include "report/results.h"
 #include "analysis/waves.h"
 #include "task/task.h"
@@ -196,15 +198,30 @@ static PetscErrorCode WriteDamping(const MpmDamping *d, MpmDataFile *file)
 
 /* ---- the task ---- */
 
-/* What is said of a scene. refined, damping: NULL where they are not asked for. */
+/*
+   What is found. Of a scene: refined and damping are NULL where they are not asked for. Of blocks: the phase of largest
+   growth at the phases of the symbol or between them; program, and other, which are the blocks with another size of
+   perturbations, of a code that is probed; compare if asked for; certificates of a file; motion of a code that is set to
+   the places of a drift, where n is not 0.
+*/
 typedef struct {
-  MpmSymbol     *symbol;
+  MpmSymbol *symbol;
+  MpmFinding finding;
+
   MpmRefined     place, *refined;
   MpmDamping    *damping;
   MpmPredictor   predictor;
   MpmPredictions predictions;
   MpmComparison  comparison;
-  MpmFinding     finding;
+
+  MpmProgram        program;
+  MpmBlocks         blocks, other;
+  MpmCertificates   certificates;
+  PetscReal         beta[MPM_MAX_DIM];
+  MpmSourceGrowth   worst;
+  PetscReal         worst_uncertainty;
+  MpmCompareProgram compare;
+  MpmMotion         motion;
 } Answer;
 
 /* Where growth is largest: the phase, and the length of its waves in cells. */
@@ -261,14 +278,25 @@ static PetscErrorCode Report(const MpmScene *scene, const MpmRequest *request, c
 
 static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmRequest *request, const Answer *a)
 {
-  MpmDataFile file;
+  const MpmPredictor *predictor = scene ? &a->predictor : NULL;
+  MpmBlocks           blocks    = a->blocks;
+  MpmDataFile         file;
 
   PetscFunctionBegin;
   if (request->csv[0] && a->damping) PetscCall(WriteDampingCsv(a->damping, request->csv));
-  if (request->csv[0] && !a->damping) PetscCall(MpmSymbolWriteCsv(a->symbol, &a->predictor, request->csv));
+  if (request->csv[0] && !a->damping) PetscCall(MpmSymbolWriteCsv(a->symbol, predictor, request->csv));
+  if (request->write_blocks[0]) {
+    if (scene) { /* of its lattice, of which its cells are a part */
+      PetscCall(
+          MpmTableBlocks(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, "write_blocks", &blocks));
+      blocks.cell_width = scene->cell_width;
+    }
+    PetscCall(MpmBlocksWrite(request->write_blocks, &blocks));
+    if (scene) PetscCall(MpmBlocksFree(&blocks));
+  }
   if (!request->output[0]) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmDataFileOpen(PETSC_COMM_WORLD, scene, request, &file));
-  PetscCall(MpmSymbolWrite(a->symbol, &a->predictor, &file));
+  PetscCall(MpmSymbolWrite(a->symbol, predictor, &file));
   if (a->damping) PetscCall(WriteDamping(a->damping, &file));
   PetscCall(MpmDataFileClose(&file));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -301,19 +329,6 @@ static PetscErrorCode Find(const MpmScene *scene, const MpmRequest *request, Ans
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes the blocks of a scene's lattice, of which its cells are a part. */
-static PetscErrorCode WriteBlocks(const MpmScene *scene, const char path[])
-{
-  MpmBlocks blocks;
-
-  PetscFunctionBegin;
-  PetscCall(MpmTableBlocks(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, "write_blocks", &blocks));
-  blocks.cell_width = scene->cell_width;
-  PetscCall(MpmBlocksWrite(path, &blocks));
-  PetscCall(MpmBlocksFree(&blocks));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmSymbolWish wish = {.keep = request->output[0] ? PETSC_TRUE : PETSC_FALSE, .tolerance = request->tolerance};
@@ -328,7 +343,6 @@ static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, 
   PetscCall(Find(scene, request, &a));
   if (request->damping) PetscCall(MpmDampingCreate(scene, request, &a.damping));
   PetscCall(WriteFiles(scene, request, &a));
-  if (request->write_blocks[0]) PetscCall(WriteBlocks(scene, request->write_blocks));
   PetscCall(Report(scene, request, &a, MPI_Wtime() - started));
   PetscCall(MpmExpectFinding(&request->expect, a.finding.verdict, a.finding.growth, missed));
   PetscCall(MpmDampingDestroy(&a.damping));
@@ -337,7 +351,178 @@ static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* ---- blocks from a file, or of a code that is probed: growth between phases where it is largest, too ---- */
+
+#define GAINS 1e-12 /* relative; growth between phases that is larger by less is rounding */
+
+/* The blocks, or the product of those of a period, with either size of perturbations. */
+static PetscErrorCode SourceOf(const MpmRequest *request, const Answer *a, PetscBool other, MpmBlocksSteps *steps,
+                               MpmSource *source)
+{
+  const char *name = MpmRequestSource(request);
+
+  PetscFunctionBegin;
+  if (a->motion.n)
+    PetscCall(MpmMotionSource(&a->motion, other, name, steps, source));
+  else
+    PetscCall(MpmBlocksSource(other ? &a->other : &a->blocks, name, source));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Takes the phase of the symbol where the search between its phases has found no larger growth. */
+static PetscErrorCode Compare(Answer *a)
+{
+  const MpmSymbol *s = a->symbol;
+
+  PetscFunctionBegin;
+  a->worst_uncertainty = MpmUncertaintyOf(a->worst.growth, a->worst.relative, a->symbol->period);
+  if (a->worst.growth > s->growth * (1 + GAINS)) PetscFunctionReturn(PETSC_SUCCESS);
+  a->worst.growth      = s->growth;
+  a->worst.condition   = s->condition;
+  a->worst_uncertainty = s->uncertainty;
+  PetscCall(PetscArraycpy(a->beta, s->beta_at_max, a->blocks.dim));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Judge(const MpmRequest *request, Answer *a)
+{
+  MpmFinding *f = &a->finding;
+
+  PetscFunctionBegin;
+  *f = (MpmFinding){.tolerance       = request->tolerance,
+                    .growth          = a->worst.growth,
+                    .uncertainty     = a->worst_uncertainty,
+                    .defective_error = a->symbol->defective_error};
+  (void)snprintf(f->evidence, sizeof f->evidence,
+                 "the symbol at %s phases, and a search between them from where growth is largest",
+                 MpmCountsText(a->blocks.dim, a->symbol->phases, MPM_VECTOR_ROOM));
+  f->verdict = MpmVerdictOf(f);
+  if (MpmRequestProbes(request)) {
+    MpmSource       source;
+    MpmBlocksSteps  steps;
+    MpmSourceGrowth other;
+
+    PetscCall(SourceOf(request, a, PETSC_TRUE, &steps, &source));
+    PetscCall(MpmSourceGrowthAt(&source, a->beta, &other));
+    PetscCall(MpmProgramJudge(&a->program, other.growth, a->worst.condition, f));
+  } else if (MpmCertificatesTaken(&a->certificates))
+    PetscCall(MpmCertificatesJudge(&a->certificates, NULL, a->worst.condition, a->blocks.period, f));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Blocks from the file, or by probing. */
+static PetscErrorCode GetBlocks(const MpmRequest *request, Answer *a)
+{
+  MpmProbed one, other;
+
+  PetscFunctionBegin;
+  if (!MpmRequestProbes(request)) {
+    PetscCall(MpmBlocksRead(PETSC_COMM_WORLD, request->matrix_blocks, request->matrix_steps, request->tolerance,
+                            &a->certificates, &a->blocks));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmProgramOpen(request, &a->program));
+  PetscCall(MpmProgramPrepare(&a->program));
+  if (request->compare[0]) PetscCall(MpmCompareProgramBegin(&a->program, &a->compare));
+  if (request->program_drift[0].den) {
+    PetscCall(MpmMotionBegin(&a->program, &a->motion));
+    MpmReportProgram(&a->program);
+    MpmPrint("  all this at each of %" PetscInt_FMT " places of the drift\n", a->motion.n);
+    PetscCall(MpmMotionFind(&a->program, &a->motion));
+    a->blocks = a->motion.blocks[0][0];
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  MpmReportProgram(&a->program);
+  PetscCall(MpmProgramOperator(&a->program, &one, &other));
+  a->blocks = one.blocks;
+  a->other  = other.blocks;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode Compute(const MpmRequest *request, Answer *a)
+{
+  const MPI_Comm comm = PETSC_COMM_WORLD;
+  MpmSymbolWish  wish = {.keep = request->output[0] ? PETSC_TRUE : PETSC_FALSE, .tolerance = request->tolerance};
+  MpmBlocksSteps steps;
+  MpmSource      source;
+
+  PetscFunctionBegin;
+  PetscCall(GetBlocks(request, a));
+  PetscCall(SourceOf(request, a, PETSC_FALSE, &steps, &source));
+  PetscCall(MpmRequestPhases(request, source.dim, wish.phases));
+  PetscCall(MpmSymbolFromSource(comm, &source, &wish, &a->symbol));
+  PetscCall(MpmWorstPhase(comm, &source, a->symbol->phases, a->beta, &a->worst));
+  PetscCall(Compare(a));
+  PetscCall(Judge(request, a));
+  if (request->compare[0]) PetscCall(MpmCompareProgramFind(&a->program, &a->blocks, a->worst.growth, &a->compare));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode ReportBlocks(const MpmRequest *request, Answer *a, PetscReal wall_s)
+{
+  const PetscBool  probed = MpmRequestProbes(request);
+  const MpmBlocks *b      = &a->blocks;
+  char             text[256];
+  json_t          *result;
+  MpmKinks         kinks;
+
+  PetscFunctionBegin;
+  PetscCall(MpmResultOfFile(request, probed ? NULL : "the blocks", &result));
+  if (probed)
+    MpmReportProbed(result, &a->program);
+  else if (MpmCertificatesTaken(&a->certificates))
+    MpmReportCertificates(result, &a->certificates);
+  if (a->motion.n) MpmReportMotion(MpmResultIn(result, "motion"), b->dim, &a->motion);
+  MpmResultSay(MpmResultIn(result, "lattice"),
+               "%" PetscInt_FMT "{blocks} blocks of %" PetscInt_FMT "{unknowns} unknowns a cell, %" PetscInt_FMT
+               "{dim} direction%s, of %" PetscInt_FMT "{period_steps} step%s\n\ngrowth per step\n",
+               b->n, b->size, b->dim, b->dim == 1 ? "" : "s", a->symbol->period, a->symbol->period == 1 ? "" : "s");
+  if (b->cell_width > 0) MpmResultKeep(result, "%g{lattice.cell_width}", b->cell_width);
+  (void)snprintf(text, sizeof text, "at beta = %s of %s phases",
+                 MpmVectorText(b->dim, a->symbol->beta_at_max, 6, MPM_VECTOR_ROOM),
+                 MpmCountsText(b->dim, a->symbol->phases, MPM_VECTOR_ROOM));
+  MpmReportGrowth(NULL, NULL, "symbol", a->symbol->growth, text);
+  MpmResultSymbol(result, a->symbol);
+  (void)snprintf(text, sizeof text, "at beta = %s, the largest of a search between these phases",
+                 MpmVectorText(b->dim, a->beta, 6, MPM_VECTOR_ROOM));
+  MpmReportGrowth(NULL, NULL, "all waves", a->worst.growth, text);
+  MpmResultKeep(MpmResultIn(result, "refined"), "%g{growth} %g{condition}", a->worst.growth, a->worst.condition);
+  MpmResultVector(result, "refined.beta_at_max", b->dim, a->beta);
+  if (request->compare[0]) MpmReportCompare(MpmResultIn(result, "comparison"), &a->program, &a->compare);
+  MpmPrint("\n");
+  PetscCall(MpmReportFinding(result, NULL, NULL, &a->finding, a->worst.condition));
+  if (probed && !a->motion.n && MpmCertificatesSwitch(&a->program.certificates)) {
+    PetscCall(MpmKinksFind(&a->program, &kinks));
+    MpmReportKinks(result, &kinks);
+  }
+  MpmPrint("time: %.3g s\n", a->symbol->seconds);
+  PetscCall(MpmResultEnd(request, wall_s, &result));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode OfBlocks(const MpmRequest *request, PetscReal started, PetscInt *missed)
+{
+  Answer answer = {.symbol = NULL};
+
+  PetscFunctionBegin;
+  PetscCall(Compute(request, &answer));
+  PetscCall(WriteFiles(NULL, request, &answer));
+  PetscCall(ReportBlocks(request, &answer, MPI_Wtime() - started));
+  PetscCall(MpmExpectFinding(&request->expect, answer.finding.verdict, answer.finding.growth, missed));
+  PetscCall(MpmSymbolDestroy(&answer.symbol));
+  if (answer.motion.n)
+    PetscCall(MpmMotionDestroy(&answer.motion));
+  else
+    PetscCall(MpmBlocksFree(&answer.blocks));
+  if (MpmRequestProbes(request)) {
+    PetscCall(MpmBlocksFree(&answer.other));
+    if (request->compare[0]) PetscCall(MpmCompareProgramDestroy(&answer.compare));
+    PetscCall(MpmProgramClose(&answer.program));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmTaskSymbol(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
-  return scene ? OfScene(scene, request, started, missed) : MpmSymbolOfBlocks(request, started, missed);
+  return scene ? OfScene(scene, request, started, missed) : OfBlocks(request, started, missed);
 }
