@@ -265,17 +265,6 @@ static PetscErrorCode Open(const char path[], const char others[], Reader *r)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Share(Reader *r)
-{
-  PetscFunctionBegin;
-  PetscCallMPI(MPI_Bcast(r->why, sizeof r->why, MPI_CHAR, 0, PETSC_COMM_WORLD));
-  for (PetscInt c = 0; c < KNOWN && !r->why[0]; c++)
-    for (PetscInt64 i = 0; r->value[c] && i < r->particles; i += PORTION)
-      PetscCallMPI(
-          MPI_Bcast(r->value[c] + i, (PetscMPIInt)PetscMin(PORTION, r->particles - i), MPIU_REAL, 0, PETSC_COMM_WORLD));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmGivenRead(const char where[], const char others[], const char path[], PetscInt dim, MpmGiven **made)
 {
   Reader    r     = {.dim = dim, .hdf5 = {.file = -1}};
@@ -297,7 +286,11 @@ PetscErrorCode MpmGivenRead(const char where[], const char others[], const char 
     if (r.hdf5.file >= 0) PetscCall(ReadArrays(&r));
     for (PetscInt64 id = 0; r.stream && r.hdf5.file < 0 && id < r.particles && !r.why[0]; id++)
       if (NextLine(&r)) ReadParticle(&r, id);
-    PetscCall(Share(&r));
+    PetscCallMPI(MPI_Bcast(r.why, sizeof r.why, MPI_CHAR, 0, PETSC_COMM_WORLD));
+    for (PetscInt c = 0; c < KNOWN && !r.why[0]; c++)
+      for (PetscInt64 i = 0; r.value[c] && i < r.particles; i += PORTION)
+        PetscCallMPI(
+            MPI_Bcast(r.value[c] + i, (PetscMPIInt)PetscMin(PORTION, r.particles - i), MPIU_REAL, 0, PETSC_COMM_WORLD));
     given->of_steps = r.group[0] ? PETSC_TRUE : PETSC_FALSE;
   }
   if (r.hdf5.file >= 0) PetscCall(MpmHdf5Close(&r.hdf5, &failed));

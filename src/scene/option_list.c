@@ -285,7 +285,7 @@ const MpmField MpmOptions[] = {
    BETWEEN(0.01, 1), .tasks = "run", MADE(AS_REAL, safety), IN(88, 69, 63, 0), SHOWN(HasSafety)},
   {"dt", MPM_REAL, NULL, "time step, instead of courant",
    ABOVE(0), .rival = "courant", KEPT(AS_REAL, dt), IN(19, 27, 0, 0), SHOWN(HasTimeStep)},
-  {"step_bound", MPM_WORD, "lanczos", "kinematics finite: which bound of the time step is found for the particles as they stand. courant auto takes a part of it, and a step that is given is compared with it. lanczos is the sharpest; it is wrong with the probability step_bound_chance, and is made anew when particles have moved, or when the bound particle has fallen. particle is proved. lone is proved, too, and takes each particle as if it were alone",
+  {"step_bound", MPM_WORD, "lanczos", "kinematics finite: which bound of the time step is found for the particles as they stand. courant auto takes a part of it, and a step that is given is compared with it. lanczos is the sharpest: it is above the limit with the probability step_bound_chance at most, and is made anew when particles have moved, or when the bound particle has fallen. particle is proved. lone is proved, too, and takes each particle as if it were alone",
    WORDS(MpmStepBoundNames), .tasks = "run", KEPT(AS_WORD, step_bound), IN(0, 90, 83, 0), SHOWN(HasBound)},
   {"drift", MPM_FRACTION, "0", "cells a particle moves per step, U0 dt / h; a number or 1/8",
    BETWEEN(-1e6, 1e6), .rival = "velocity,mach", EACH(AS_FRACTION, step.drift, step.drift[0]), IN(8, 10, 22, 21), SHOWN(HasDrift), .exact = PETSC_TRUE},

@@ -10,12 +10,23 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- words ---- */
-
-/* The scene takes the written scheme over from the settings. */
-static PetscErrorCode ReadWritten(MpmSettings *settings, MpmScene *scene)
+/*
+   A scheme as text is taken over from the settings. A transfer of its own counts, unless a stronger source names another
+   one.
+*/
+static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
 {
+  PetscInt i;
+
   PetscFunctionBegin;
+  if (!settings->scheme) PetscCall(MpmSettingsWord(settings, "formulation", &i));
+  if (!settings->scheme) scene->scheme.formulation = MpmFormulations[i];
+  PetscCall(MpmSettingsWord(settings, "basis", &i));
+  scene->scheme.basis = MpmBases[i];
+  PetscCall(MpmBasisCheck(scene->scheme.basis));
+  PetscCall(MpmSettingsWord(settings, "transfer", &i));
+  scene->scheme.transfer = MpmTransfers[i];
+  if (!settings->scheme) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmWrittenCompile(settings->scheme, 0, NULL, NULL, &scene->own));
   scene->scheme.formulation = scene->own;
   MpmWrittenHash(settings->scheme, scene->scheme_hash);
@@ -25,15 +36,7 @@ static PetscErrorCode ReadWritten(MpmSettings *settings, MpmScene *scene)
     settings->inside = NULL;
   else
     settings->outside = NULL;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* A transfer of the scheme's text counts, unless a stronger source names another one. */
-static PetscErrorCode ReadOwnTransfer(const MpmSettings *settings, MpmScene *scene)
-{
-  PetscFunctionBegin;
-  if (!scene->own || !scene->own->transfer || MpmSettingsOverruled(settings, "scheme", "transfer"))
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (!scene->own->transfer || MpmSettingsOverruled(settings, "scheme", "transfer")) PetscFunctionReturn(PETSC_SUCCESS);
   MpmSettingsRefuseIf(MpmSettingsSource(settings, "transfer") == MpmSettingsSource(settings, "scheme"), settings,
                       "transfer", "the scheme has the transfer %.60s of its own; allowed: one of the two",
                       scene->own->transfer->name);
@@ -41,38 +44,7 @@ static PetscErrorCode ReadOwnTransfer(const MpmSettings *settings, MpmScene *sce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadWords(MpmSettings *settings, MpmScene *scene)
-{
-  PetscInt i;
-
-  PetscFunctionBegin;
-  if (settings->scheme)
-    PetscCall(ReadWritten(settings, scene));
-  else {
-    PetscCall(MpmSettingsWord(settings, "formulation", &i));
-    scene->scheme.formulation = MpmFormulations[i];
-  }
-  PetscCall(MpmSettingsWord(settings, "basis", &i));
-  scene->scheme.basis = MpmBases[i];
-  PetscCall(MpmBasisCheck(scene->scheme.basis));
-  PetscCall(MpmSettingsWord(settings, "transfer", &i));
-  scene->scheme.transfer = MpmTransfers[i];
-  PetscCall(ReadOwnTransfer(settings, scene));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- scheme ---- */
-
-/* The names of all formulations that can do something, to be told in a message. */
-static void Those(PetscBool (*can)(const MpmFormulation *), char names[], size_t room)
-{
-  names[0] = '\0';
-  for (PetscInt f = 0; MpmFormulations[f]; f++) {
-    if (!can(MpmFormulations[f])) continue;
-    if (names[0]) MpmTextJoin(names, ", ", room);
-    MpmTextJoin(names, MpmFormulations[f]->name, room);
-  }
-}
 
 /* clang-format off */
 #define CAN(function, condition) static PetscBool function(const MpmFormulation *f) { return (condition) ? PETSC_TRUE : PETSC_FALSE; }
@@ -91,11 +63,15 @@ CAN(TakesNoDifferences, !MpmFormulationHas(f, MPM_LAP))
 PetscErrorCode MpmSettingsRequire(const MpmSettings *settings, const MpmScene *scene, const char option[],
                                   PetscBool (*can)(const MpmFormulation *), const char why[])
 {
-  char names[256];
+  char names[256] = "";
 
   PetscFunctionBegin;
   if (can(scene->scheme.formulation)) PetscFunctionReturn(PETSC_SUCCESS);
-  Those(can, names, sizeof names);
+  for (PetscInt f = 0; MpmFormulations[f]; f++) {
+    if (!can(MpmFormulations[f])) continue;
+    if (names[0]) MpmTextJoin(names, ", ", sizeof names);
+    MpmTextJoin(names, MpmFormulations[f]->name, sizeof names);
+  }
   PetscCall(MpmSettingsRefuse(settings, option, "%s has no %s; allowed: with formulation %s%s",
                               scene->scheme.formulation->name, why, names,
                               scene->written ? ", or a line for that in the scheme" : ""));
@@ -182,6 +158,10 @@ static PetscErrorCode ReadTransfer(const MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadFilterTime(settings, scene));
   if (scene->scheme.transfer->affine)
     PetscCall(MpmSettingsRequire(settings, scene, "transfer", CanBeAffine, "momentum to carry an affine velocity"));
+  if (MpmSettingsOverruled(settings, "gradient", "formulation") && !HasGradient(scheme->formulation))
+    scheme->space.gradient = MPM_GRADIENT_BASIS;
+  if (scheme->space.gradient != MPM_GRADIENT_BASIS)
+    PetscCall(MpmSettingsRequire(settings, scene, "gradient", HasGradient, "gradient"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -297,20 +277,6 @@ static PetscErrorCode ReadFill(const MpmSettings *settings, MpmScene *scene)
   }
   MpmSettingsRefuseIf(!l->particles, settings, "fill",
                       "there is no particle between them; allowed: cells lo,hi at least 1 / ppc apart");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- gradient and Poisson's ratio ---- */
-
-static PetscErrorCode ReadSpace(const MpmSettings *settings, MpmScene *scene)
-{
-  PetscFunctionBegin;
-  if (scene->scheme.space.gradient != MPM_GRADIENT_BASIS) {
-    if (MpmSettingsOverruled(settings, "gradient", "formulation") && !HasGradient(scene->scheme.formulation))
-      scene->scheme.space.gradient = MPM_GRADIENT_BASIS;
-    else
-      PetscCall(MpmSettingsRequire(settings, scene, "gradient", HasGradient, "gradient"));
-  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -437,7 +403,6 @@ static PetscErrorCode ReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(ReadFill(settings, scene));
   PetscCall(MpmSettingsReadShape(settings, scene));
   PetscCall(MpmSettingsPlaceGiven(settings, scene));
-  PetscCall(ReadSpace(settings, scene));
   PetscCall(MpmSettingsReadPace(settings, scene));
   PetscCall(ReadMaterial(settings, scene));
   PetscCall(MpmSettingsCheckRules(settings, rules, scene, NULL));
@@ -470,17 +435,6 @@ PetscErrorCode MpmSceneDestroy(MpmScene **scene)
 
 /* ---- scene and request ---- */
 
-/* Who asks for a limit means that of a scheme. The default's would be taken for an answer. */
-static PetscErrorCode AskFormulation(const MpmSettings *settings, const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  if (strcmp(request->task, "critical") || settings->scene[0] || request->survey ||
-      MpmSettingsSource(settings, "formulation") != MPM_FROM_DEFAULT || MpmSettingsGiven(settings, "scheme"))
-    PetscFunctionReturn(PETSC_SUCCESS);
-  MpmRefuse("critical: of which scheme? allowed: with a formulation, as in 'mpmstab critical usl' or 'mpmstab critical "
-            "musl -basis quadratic'; 'mpmstab list formulations' shows them, -survey compares them");
-}
-
 static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmRequest *request)
 {
   PetscBool matrix;
@@ -496,7 +450,12 @@ static PetscErrorCode ReadBoth(MpmSettings *settings, MpmScene **scene, MpmReque
   }
   PetscCall(ReadProblem(settings, *scene));
   PetscCall(MpmSettingsReadRequest(settings, *scene, request));
-  PetscCall(AskFormulation(settings, request));
+  /* who asks for a limit means that of a scheme; the default's would be taken for an answer */
+  MpmCheckInput(strcmp(request->task, "critical") || settings->scene[0] || request->survey ||
+                    MpmSettingsSource(settings, "formulation") != MPM_FROM_DEFAULT ||
+                    MpmSettingsGiven(settings, "scheme"),
+                "critical: of which scheme? allowed: with a formulation, as in 'mpmstab critical usl' or 'mpmstab "
+                "critical musl -basis quadratic'; 'mpmstab list formulations' shows them, -survey compares them");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

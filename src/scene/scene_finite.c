@@ -153,22 +153,6 @@ PetscErrorCode MpmSettingsReadPace(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The energy that does not rise is that of the particles alone, and of an affine part whose moment is known. */
-static PetscErrorCode CheckRelax(const MpmSettings *settings, const MpmScene *scene)
-{
-  PetscFunctionBegin;
-  if (!scene->scheme.numbers.rk_relax) PetscFunctionReturn(PETSC_SUCCESS);
-  if (scene->scheme.space.loaded)
-    PetscCall(MpmSettingsRefuse(settings, "rk_relax",
-                                "a body force does work on the particles, so that their energy may rise; allowed: "
-                                "without gravity and with data that have no body force"));
-  if (scene->scheme.transfer->affine && scene->scheme.basis->moment == 0)
-    PetscCall(MpmSettingsRefuse(settings, "rk_relax",
-                                "the moment of the weights, and with it the energy of the affine part, depends on the "
-                                "place with this basis; allowed: basis quadratic or cubic, or another transfer"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *scene)
 {
   PetscFunctionBegin;
@@ -184,6 +168,14 @@ PetscErrorCode MpmSettingsCheckFinite(const MpmSettings *settings, MpmScene *sce
                       "allowed with kinematics finite: mode, random, manufactured, vortex, simple_wave, "
                       "shock_tube, collision or uniform");
   PetscCall(MpmSettingsReadSolution(settings, scene));
-  PetscCall(CheckRelax(settings, scene));
+  if (!scene->scheme.numbers.rk_relax) PetscFunctionReturn(PETSC_SUCCESS);
+  /* the energy that does not rise is that of the particles alone, and of an affine part whose moment is known */
+  MpmSettingsRefuseIf(
+      scene->scheme.space.loaded, settings, "rk_relax",
+      "a body force does work on the particles, so that their energy may rise; allowed: without gravity "
+      "and with data that have no body force");
+  MpmSettingsRefuseIf(scene->scheme.transfer->affine && scene->scheme.basis->moment == 0, settings, "rk_relax",
+                      "the moment of the weights, and with it the energy of the affine part, depends on the place with "
+                      "this basis; allowed: basis quadratic or cubic, or another transfer");
   PetscFunctionReturn(PETSC_SUCCESS);
 }

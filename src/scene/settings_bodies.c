@@ -63,21 +63,6 @@ static PetscErrorCode ReadPpc(MpmBlockReader *r, const yaml_node_t *block, MpmBo
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadFile(MpmBlockReader *r, const yaml_node_t *block, MpmBody *body)
-{
-  const char *path;
-  char        where[64];
-
-  PetscFunctionBegin;
-  PetscCall(
-      MpmBlockBeginFile(r, block, "allowed: the name of a CSV or HDF5 file of particles", sizeof where, where, &path));
-  PetscCall(MpmGivenRead(where, "", path, r->scene->layout.dim, &body->file));
-  REFUSE_IF(body->file->has[MPM_GIVEN_POISSON - MPM_GIVEN_VOLUME] ||
-                body->file->has[MPM_GIVEN_FIXED - MPM_GIVEN_VOLUME],
-            r, "path", "it has a column poisson or fixed; allowed: x, y, z, volume, mass and young");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* The law of a body, the scene's unless it is said. Words are those of the option material. */
 static PetscErrorCode ReadLaw(MpmBlockReader *r, const yaml_node_t *block, const MpmLaw **law)
 {
@@ -186,6 +171,8 @@ static PetscErrorCode ReadBody(void *reader, const yaml_node_t *block)
   const char      *names[MPM_MOST_WORDS] = {NULL};
   MpmBody         *body                  = &r->bodies[r->n];
   const MpmLaw    *law;
+  const char      *path;
+  char             where[64];
 
   PetscFunctionBegin;
   MpmSettingsRefuseIf(r->n == MOST_BODIES, r->settings, r->option, "allowed: at most %d bodies", MOST_BODIES);
@@ -198,8 +185,14 @@ static PetscErrorCode ReadBody(void *reader, const yaml_node_t *block)
   if (r->body->shape) {
     PetscCall(MpmBlockReadShapeKeys(r, block));
     PetscCall(ReadPpc(r, block, body));
-  } else
-    PetscCall(ReadFile(r, block, body));
+  } else {
+    PetscCall(MpmBlockBeginFile(r, block, "allowed: the name of a CSV or HDF5 file of particles", sizeof where, where,
+                                &path));
+    PetscCall(MpmGivenRead(where, "", path, l->dim, &body->file));
+    REFUSE_IF(body->file->has[MPM_GIVEN_POISSON - MPM_GIVEN_VOLUME] ||
+                  body->file->has[MPM_GIVEN_FIXED - MPM_GIVEN_VOLUME],
+              r, "path", "it has a column poisson or fixed; allowed: x, y, z, volume, mass and young");
+  }
   PetscCall(ReadRatio(r, block, "density", scene->density > 0 ? scene->density : 1, &body->ratio[MPM_MASS]));
   PetscCall(ReadMaterial(r, block, law, body));
   PetscCall(ReadModulus(r, block, body));
@@ -346,20 +339,6 @@ static PetscErrorCode Place(MpmBlockReader *r, PetscInt bodies, const PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Properties that all particles have alike are not kept. */
-static PetscErrorCode KeepDifferent(MpmLayout *l)
-{
-  MpmGiven *given = l->given;
-
-  PetscFunctionBegin;
-  for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) {
-    for (PetscInt64 id = 0; given->property[w] && id < given->particles && !l->varies[w]; id++)
-      if (given->property[w][id] != 1) l->varies[w] = PETSC_TRUE;
-    if (!l->varies[w]) PetscCall(PetscFree(given->property[w]));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Gives the scene the materials of its bodies, unless all are of its own. */
 static PetscErrorCode SetMaterials(const MpmBlockReader *r, PetscReal room)
 {
@@ -411,7 +390,11 @@ static PetscErrorCode PlaceAll(MpmBlockReader *r)
     if (w != MPM_MOBILITY) PetscCall(PetscMalloc1((size_t)room, &l->given->property[w]));
   PetscCall(SetMaterials(r, room));
   for (r->n = 0; r->n < n; r->n++) PetscCall(Place(r, n, unit));
-  PetscCall(KeepDifferent(l));
+  for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) { /* what all particles have alike is not kept */
+    for (PetscInt64 id = 0; l->given->property[w] && id < l->given->particles && !l->varies[w]; id++)
+      if (l->given->property[w][id] != 1) l->varies[w] = PETSC_TRUE;
+    if (!l->varies[w]) PetscCall(PetscFree(l->given->property[w]));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

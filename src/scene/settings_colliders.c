@@ -133,22 +133,12 @@ PetscErrorCode MpmBlockBeginFile(MpmBlockReader *r, const yaml_node_t *block, co
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadDistance(MpmBlockReader *r, const yaml_node_t *block)
-{
-  const char *path;
-  char        where[64];
-
-  PetscFunctionBegin;
-  PetscCall(MpmBlockBeginFile(r, block, "allowed: the name of an HDF5 file with a signed distance", sizeof where, where,
-                              &path));
-  PetscCall(MpmDistanceRead(where, path, r->scene->layout.dim, r->scene->cell_width, &r->body->grid));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmBlockReadShapeKeys(MpmBlockReader *r, const yaml_node_t *block)
 {
   const MpmColliderShape *shape = r->body->shape;
   const PetscInt          dim   = r->scene->layout.dim;
+  const char             *path;
+  char                    where[64];
 
   PetscFunctionBegin;
   for (PetscInt k = 0; shape->key[k]; k++) {
@@ -156,7 +146,9 @@ PetscErrorCode MpmBlockReadShapeKeys(MpmBlockReader *r, const yaml_node_t *block
     PetscReal           *value = r->body->value[k], size = 0;
 
     if (holds == MPM_KEY_FILE) {
-      PetscCall(ReadDistance(r, block));
+      PetscCall(MpmBlockBeginFile(r, block, "allowed: the name of an HDF5 file with a signed distance", sizeof where,
+                                  where, &path));
+      PetscCall(MpmDistanceRead(where, path, dim, r->scene->cell_width, &r->body->grid));
       continue;
     }
     PetscCall(MpmBlockReadNumbers(r, block, shape->key[k], holds >= MPM_KEY_SIZE ? PETSC_TRUE : PETSC_FALSE, value));

@@ -16,27 +16,6 @@ static PetscBool Is(const MpmRequest *request, const char task[])
 const char *const MpmNeighbourhoodNames[] = {"bulk",       "edge",  "corner", "lone", "random",
                                              "disordered", "worst", "all",    NULL};
 
-/* All leaves out a corner in one dimension, where it is an edge, and the worst, whose search takes long. */
-static void Take(PetscInt word, const MpmScene *scene, MpmRequest *request)
-{
-  if (word != ALL) {
-    request->neighbourhood[word] = PETSC_TRUE;
-    return;
-  }
-  for (int kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
-    if ((scene->layout.dim > 1 || kind != MPM_AT_CORNER) && kind != MPM_AT_WORST)
-      request->neighbourhood[kind] = PETSC_TRUE;
-}
-
-/*
-   Whether a scene in physical units leaves open where its particles end. One with walls, gaps or jitter says itself
-   where they are.
-*/
-static PetscBool FillsSpace(const MpmScene *scene)
-{
-  return MpmSceneIsPhysical(scene) && MpmLayoutIsUniform(&scene->layout) ? PETSC_TRUE : PETSC_FALSE;
-}
-
 /*
    The default answer of critical has a table of steps by layout for lattices at rest with a scheme of the program,
    whose searches are quick. Of such lattices it says why there is none.
@@ -81,15 +60,21 @@ static PetscInt Default(const MpmScene *scene, PetscBool all, PetscBool table, P
 static PetscErrorCode ReadNeighbourhoods(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
 {
   const PetscBool critical = Is(request, "critical");
+  /* one with walls, gaps or jitter says itself where its particles end */
+  const PetscBool fills = MpmSceneIsPhysical(scene) && MpmLayoutIsUniform(&scene->layout) ? PETSC_TRUE : PETSC_FALSE;
   PetscInt        word[MPM_NEIGHBOURHOODS + 1], n = 0;
 
   PetscFunctionBegin;
   if ((critical || Is(request, "spectrum")) && MpmSettingsGiven(settings, "neighbourhood"))
     PetscCall(MpmSettingsWords(settings, "neighbourhood", MPM_NEIGHBOURHOODS + 1, &n, word));
   if (critical && !n) AskTable(scene, request);
-  if (!n)
-    n = Default(scene, critical && !request->survey && !request->at_mach && FillsSpace(scene), request->table, word);
-  for (PetscInt i = 0; i < n; i++) Take(word[i], scene, request);
+  if (!n) n = Default(scene, critical && !request->survey && !request->at_mach && fills, request->table, word);
+  /* all leaves out a corner in one dimension, where it is an edge, and the worst, whose search takes long */
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt kind = 0; kind < MPM_NEIGHBOURHOODS; kind++)
+      if (kind == word[i] ||
+          (word[i] == ALL && (scene->layout.dim > 1 || kind != MPM_AT_CORNER) && kind != MPM_AT_WORST))
+        request->neighbourhood[kind] = PETSC_TRUE;
   if (!MpmSettingsGiven(settings, "layouts")) request->layouts = Is(request, "ensemble") ? MANY_LAYOUTS : SOME_LAYOUTS;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -175,34 +160,6 @@ static PetscErrorCode ReadSteps(const MpmSettings *settings, const MpmScene *sce
     request->steps = PetscMax((PetscInt64)steps, 1);
   }
   if (request->end == 0) PetscCall(CheckEnd(settings, scene, request));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- what tasks measure ---- */
-
-/* The waves are those of the phases along x that are at least 3 cells long. */
-static PetscErrorCode ReadDamping(const MpmSettings *settings, MpmRequest *request)
-{
-  PetscFunctionBegin;
-  if (!request->damping || !Is(request, "symbol")) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmSettingsRefuseIf(request->phases[0] < 3, settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
-                      "damping needs a wave of 3 cells or more; allowed: 3 or more along x");
-  PetscCall(MpmSettingsList(settings, "damping_divisors", MPM_MAX_DIVISORS, &request->ndivisors, request->divisors));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   Reads the Mach number. Of tasks that go over a period of steps, those that take the scene's own Courant number need a
-   drift M k with a short one.
-*/
-static PetscErrorCode ReadMach(const MpmSettings *settings, const MpmScene *scene, MpmRequest *request)
-{
-  PetscFunctionBegin;
-  PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &request->mach));
-  request->at_mach = request->mach.unit.num ? PETSC_TRUE : PETSC_FALSE;
-  if (request->at_mach && !Is(request, "run") && !MpmRequestVaries(request, MPM_AXIS_COURANT) &&
-      !MpmRequestVaries(request, MPM_AXIS_DRIFT) && !MpmRequestVaries(request, MPM_AXIS_MACH))
-    PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -401,18 +358,6 @@ static PetscErrorCode ReadOutputs(const MpmSettings *settings, MpmRequest *reque
 const char *const MpmExpectOptions[MPM_EXPECTED] = {"expect_growth", "expect_spectrum", "expect_error",
                                                     "expect_energy", "expect_critical", "expect_share"};
 
-/* A scene's verdict may be that of a run; critical has none for a time step that was not given. */
-static PetscErrorCode CheckVerdictAsked(const MpmSettings *settings, const MpmScene *scene, const char task[],
-                                        MpmExpect *expect)
-{
-  PetscFunctionBegin;
-  if (strcmp(task, "critical") || !scene || MpmSceneHasStep(scene)) PetscFunctionReturn(PETSC_SUCCESS);
-  MpmSettingsRefuseIf(MpmSettingsSource(settings, "expect") != MPM_FROM_SCENE, settings, "expect",
-                      "the scene has no time step to judge; allowed: with dt or courant");
-  expect->has_verdict = PETSC_FALSE;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *scene, const char task[],
                                  MpmExpect *expect)
 {
@@ -424,7 +369,12 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
                              MpmFieldIsOf(&MpmOptions[MpmOptionIndex(MpmExpectOptions[e])], task)
                          ? PETSC_TRUE
                          : PETSC_FALSE;
-  if (expect->has_verdict && scene) PetscCall(CheckVerdictAsked(settings, scene, task, expect));
+  if (expect->has_verdict && scene && !strcmp(task, "critical") && !MpmSceneHasStep(scene)) {
+    /* a scene's verdict may be that of a run; critical has none for a time step that was not given */
+    MpmSettingsRefuseIf(MpmSettingsSource(settings, "expect") != MPM_FROM_SCENE, settings, "expect",
+                        "the scene has no time step to judge; allowed: with dt or courant");
+    expect->has_verdict = PETSC_FALSE;
+  }
   if (MpmSettingsGiven(settings, "expect_error") && scene && !MpmSceneHasExact(scene)) {
     PetscCall(MpmSettingsRefuseUnless(
         settings, "expect_error", "initial,boundary",
@@ -560,14 +510,23 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   if (scene->scheme.space.finite && Is(request, "spectrum")) PetscCall(CheckTangent(settings, scene, "kinematics"));
   PetscCall(ReadSteps(settings, scene, request));
   PetscCall(CheckSolution(settings, scene, request));
-  PetscCall(ReadDamping(settings, request));
+  if (request->damping && Is(request, "symbol")) {
+    MpmSettingsRefuseIf(request->phases[0] < 3, settings, MpmSettingsGiven(settings, "phases") ? "phases" : "cells",
+                        "damping needs a wave of 3 cells or more; allowed: 3 or more along x");
+    PetscCall(MpmSettingsList(settings, "damping_divisors", MPM_MAX_DIVISORS, &request->ndivisors, request->divisors));
+  }
   for (int a = 0; a < 2; a++) request->axes[a].parameter = MPM_NONE;
   if (Is(request, "map")) {
     PetscCall(ReadKinds(settings, request->axes));
     PetscCall(ReadAxes(settings, scene, request->axes));
   }
   PetscCall(CheckSpans(settings, request));
-  PetscCall(ReadMach(settings, scene, request));
+  PetscCall(MpmSettingsReadMach(settings, scene->layout.dim, &request->mach));
+  request->at_mach = request->mach.unit.num ? PETSC_TRUE : PETSC_FALSE;
+  /* tasks that go over a period of steps at the scene's own Courant number need a drift M k with a short one */
+  if (request->at_mach && !Is(request, "run") && !MpmRequestVaries(request, MPM_AXIS_COURANT) &&
+      !MpmRequestVaries(request, MPM_AXIS_DRIFT) && !MpmRequestVaries(request, MPM_AXIS_MACH))
+    PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
   PetscCall(ReadNeighbourhoods(settings, scene, request));
   PetscCall(MpmSettingsCheckRules(settings, at_last, scene, request));
   MpmCheckInput(!Is(request, "run") || scene->initial != MPM_INITIAL_EIGENMODE || request->mode_file[0],

@@ -236,32 +236,18 @@ static const char *Scalar(const yaml_node_t *node)
 }
 
 /* What a key's value may look like, for a message about a key without one. */
-static const char *AllowedFor(const MpmField *option)
-{
-  switch (option->kind) {
-  case MPM_INTEGER:
-    return "a whole number";
-  case MPM_REAL:
-    return "a number";
-  case MPM_FRACTION:
-    return "a number or a fraction such as 1/8";
-  case MPM_SWITCH:
-    return "true or false";
-  case MPM_PATH:
-    return "the name of a file";
-  case MPM_RANGE:
-  case MPM_SPAN:
-    return "two numbers [lo, hi]";
-  case MPM_LIST:
-    return "a list of whole numbers";
-  case MPM_WORDS:
-    return "one or more of its words";
-  case MPM_BLOCKS:
-    return "a block {key: value}, or several [{...}, {...}]";
-  default:
-    return "one of its words";
-  }
-}
+static const char *const allowed[] = {[MPM_WORD]     = "one of its words",
+                                      [MPM_INTEGER]  = "a whole number",
+                                      [MPM_REAL]     = "a number",
+                                      [MPM_FRACTION] = "a number or a fraction such as 1/8",
+                                      [MPM_SWITCH]   = "true or false",
+                                      [MPM_PATH]     = "the name of a file",
+                                      [MPM_RANGE]    = "two numbers [lo, hi]",
+                                      [MPM_SPAN]     = "two numbers [lo, hi]",
+                                      [MPM_ENDS]     = "one of its words",
+                                      [MPM_LIST]     = "a list of whole numbers",
+                                      [MPM_WORDS]    = "one or more of its words",
+                                      [MPM_BLOCKS]   = "a block {key: value}, or several [{...}, {...}]"};
 
 /* Sets what a key of the scene says of an option, or of what may be a parameter, which is known later. */
 static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], const char name[], const char text[], int line)
@@ -273,7 +259,7 @@ static PetscErrorCode SetOnce(MpmSettings *settings, const char key[], const cha
                 "%s:%d: key '%s' is given a second time; allowed: once", settings->scene, line, key);
   MpmCheckInput(option == MPM_NOT_AN_OPTION || (*text && strcmp(text, "~") && strcmp(text, "null")),
                 "%s:%d: key '%s' has no value; allowed: %s, or no such line", settings->scene, line, key,
-                AllowedFor(&MpmOptions[option]));
+                allowed[MpmOptions[PetscMax(option, 0)].kind]);
   PetscCall(MpmSettingsSet(settings, name, text, MPM_FROM_SCENE, line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

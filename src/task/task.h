@@ -39,10 +39,9 @@ PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscR
 
 /*
    Collective. MpmPrintUsage describes the program in ten lines, and MpmPrintHelp a task: an example, and the options
-   that it reads. MpmPrintHelp refuses a name that is no task's. MpmPrintVersion prints name and version.
+   that it reads. MpmPrintHelp refuses a name that is no task's.
 */
 void           MpmPrintUsage(void);
-void           MpmPrintVersion(void);
 PetscErrorCode MpmPrintHelp(const char task[]);
 
 /* Collective. The work of each task, in its file. */
@@ -93,15 +92,6 @@ PetscErrorCode MpmRunFilesCreate(const MpmScene *scene, const MpmRequest *reques
    Collective. A number is NaN where a formula does not cover the phase. predictor NULL: there are no formulas.
 */
 PetscErrorCode MpmSymbolWrite(const MpmSymbol *symbol, const MpmPredictor *predictor, MpmDataFile *file);
-
-/*
-   MpmSymbolWriteCsv - writes rows of beta, growth, growth without the null space of P2G (at rest; it is the particle
-   data that no node feels), published and corrected growth. In one dimension there is a row for each phase up to pi, in
-   more for each phase.
-
-   Collective.
-*/
-PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *symbol, const MpmPredictor *predictor, const char path[]);
 
 /*
    MpmWordsRead - gives *argc and *argv the words that were meant. The old words stay as they are.

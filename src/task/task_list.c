@@ -54,17 +54,6 @@ static void PrintBash(void)
            "complete -o filenames -F _mpmstab mpmstab\n");
 }
 
-/* In a pair of single quotes, inside brackets of _arguments. */
-static void PrintHelpOf(const MpmField *o)
-{
-  for (const char *c = o->help; *c; c++) {
-    if (*c == '\'')
-      MpmPrint("'\\''");
-    else
-      MpmPrint(strchr("[]:", *c) ? "\\%c" : "%c", *c);
-  }
-}
-
 static void PrintZsh(void)
 {
   MpmPrint("#compdef mpmstab\n# made by 'mpmstab list completion-zsh'\n_arguments \\\n  '1:task:(");
@@ -72,7 +61,8 @@ static void PrintZsh(void)
   MpmPrint("help version)' \\\n");
   for (const MpmField *o = MpmOptions; o->name; o++) {
     MpmPrint("  '-%s[", o->name);
-    PrintHelpOf(o);
+    for (const char *c = o->help; *c; c++) /* in a pair of single quotes, inside brackets of _arguments */
+      MpmPrint(*c == '\'' ? "'\\''" : strchr("[]:", *c) ? "\\%c" : "%c", *c);
     MpmPrint("]");
     if (o->kind == MPM_PATH) MpmPrint(":file:_files");
     if (MpmFieldWord(o, 0)) {
@@ -157,16 +147,10 @@ static void PrintManual(void)
    be, and what they mean.
 */
 
-/* A new object of a type. */
-static json_t *Type(const char type[])
-{
-  return json_pack("{s:s}", "type", type);
-}
-
 /* A number within the bounds of an option. */
 static json_t *Number(const MpmField *o, const char type[])
 {
-  json_t *number = Type(type);
+  json_t *number = json_pack("{s:s}", "type", type);
 
   if (o->lo > -PETSC_MAX_REAL)
     json_object_set_new(number, o->lo_open ? "exclusiveMinimum" : "minimum", json_real(o->lo));
@@ -204,21 +188,15 @@ static json_t *One(const MpmField *o)
   case MPM_FRACTION:
     return Fraction(o);
   case MPM_SWITCH:
-    return Type("boolean");
+    return json_pack("{s:s}", "type", "boolean");
   case MPM_WORD:
     return Word(o);
   case MPM_RANGE:
   case MPM_SPAN:
     return json_pack("{s:[o,{s:s}]}", "anyOf", Several(Fraction(o), 2, 2), "type", "string");
   default:
-    return Type("string");
+    return json_pack("{s:s}", "type", "string");
   }
-}
-
-/* A word that may stand in the place of a number. */
-static json_t *OrAlso(const MpmField *o, json_t *value)
-{
-  return o->also ? json_pack("{s:[o,{s:s}]}", "anyOf", value, "const", o->also) : value;
 }
 
 /* Lists, ranges, ends and words may be text with commas or an array; so may a value for each direction. */
@@ -228,7 +206,8 @@ static json_t *Value(const MpmField *o)
   if (o->kind == MPM_LIST) return json_pack("{s:[s,s,s]}", "type", "integer", "string", "array");
   if (o->kind == MPM_ENDS || o->kind == MPM_WORDS) return json_pack("{s:[s,s]}", "type", "string", "array");
   if (o->kind == MPM_WORD && !strcmp(o->name, "formulation")) return Word(o);
-  if (!o->each) return OrAlso(o, One(o));
+  if (o->also) return json_pack("{s:[o,{s:s}]}", "anyOf", One(o), "const", o->also); /* a word in place of a number */
+  if (!o->each) return One(o);
   return json_pack("{s:[o,o,{s:s,s:s}]}", "anyOf", One(o), Several(One(o), 1, 2 * MPM_MAX_DIM), "type", "string",
                    "pattern", ",");
 }

@@ -45,14 +45,6 @@ static void PrintPicture(const MpmStabilityMap *map)
   MpmPrint(". stable   growth - 1 per step: - below 0.001, + below 0.01, x below 0.1, # beyond   ? undecided\n");
 }
 
-/* The code, and its certificates at the point that grows fastest. */
-static void Program(json_t *result, const MpmStabilityMap *map)
-{
-  MpmReportProgram(map->program);
-  MpmPrint("at each of the points; certificates are of the one that grows fastest\n");
-  MpmReportProbed(result, map->program);
-}
-
 /* How many points a certificate fails at, and one of them. */
 static void PrintFaults(const MpmStabilityMap *map)
 {
@@ -111,7 +103,11 @@ static PetscErrorCode Report(MpmStabilityMap *map, PetscReal wall_s)
   found = MpmResultIn(result, "map");
   MpmResultFinding(result, f);
   PetscCall(Axes(found, map));
-  if (map->program) Program(result, map);
+  if (map->program) {
+    MpmReportProgram(map->program);
+    MpmPrint("at each of the points; certificates are of the one that grows fastest\n");
+    MpmReportProbed(result, map->program);
+  }
   PrintPicture(map);
   MpmPrint("\npoints     %" PetscInt_FMT " x %" PetscInt_FMT, map->points[0], map->points[1]);
   if (map->waves) MpmPrint(", %" PetscInt64_FMT " phases", MpmStabilityMapPhases(map));
@@ -189,31 +185,25 @@ static PetscErrorCode WriteOutput(const MpmStabilityMap *map)
 
 /* ---- of a code: at each point two of its parameters are set, and its operator is probed and judged ---- */
 
-static PetscErrorCode RefuseAxis(const MpmStepper *s, const char name[])
+static PetscErrorCode CheckAxes(const MpmStabilityMap *map)
 {
-  MpmText        names = {NULL, 0};
-  PetscErrorCode ierr;
+  const MpmStepper *s     = map->program->stepper;
+  MpmText           names = {NULL, 0};
+  PetscErrorCode    ierr  = PETSC_SUCCESS;
 
   PetscFunctionBegin;
   PetscCall(MpmStepperParameterNames(s, &names));
-  ierr = MpmRefusal("-map_axes %s: %s has no such parameter; allowed: %s", name, s->where, names.text);
-  MpmTextFree(&names);
-  PetscFunctionReturn(ierr);
-}
-
-static PetscErrorCode CheckAxes(const MpmStabilityMap *map)
-{
-  const MpmStepper *s = map->program->stepper;
-
-  PetscFunctionBegin;
-  for (int a = 0; a < 2; a++) {
+  for (int a = 0; a < 2 && !ierr; a++) {
     PetscBool found;
     PetscReal value;
 
     MpmStepperParameterOf(s, map->request->axes[a].name, &value, &found);
-    if (!found) PetscCall(RefuseAxis(s, map->request->axes[a].name));
+    if (!found)
+      ierr = MpmRefusal("-map_axes %s: %s has no such parameter; allowed: %s", map->request->axes[a].name, s->where,
+                        names.text);
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
+  MpmTextFree(&names);
+  PetscFunctionReturn(ierr);
 }
 
 static PetscErrorCode GoTo(MpmStabilityMap *m, PetscInt i)
@@ -262,20 +252,6 @@ static PetscErrorCode Solve(MpmStabilityMap *m)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Explain(MpmStabilityMap *m)
-{
-  const PetscInt n = m->points[0] * m->points[1];
-  MpmFinding    *f = &m->finding;
-
-  f->tolerance = m->program->tolerance;
-  if (m->waves)
-    (void)snprintf(f->evidence, sizeof f->evidence,
-                   "the symbol of the interior at each of %" PetscInt_FMT " points, sought over all waves", n);
-  else
-    (void)snprintf(f->evidence, sizeof f->evidence, "the operator of all particles at each of %" PetscInt_FMT " points",
-                   n);
-}
-
 /*
    Probes a code at each point, where two of its parameters have the point's numbers. The program must have been opened
    and not be prepared; afterwards it is prepared for the point that grows fastest, and must outlive the map.
@@ -305,7 +281,11 @@ static PetscErrorCode MapOfProgram(MpmProgram *p, MpmStabilityMap **map)
   PetscCall(PetscMalloc1(n, &m->fault));
   PetscCall(Solve(m));
   PetscCall(MpmStabilityMapSum(m));
-  Explain(m);
+  m->finding.tolerance = p->tolerance;
+  (void)snprintf(m->finding.evidence, sizeof m->finding.evidence,
+                 m->waves ? "the symbol of the interior at each of %" PetscInt_FMT " points, sought over all waves"
+                          : "the operator of all particles at each of %" PetscInt_FMT " points",
+                 n);
   PetscCall(GoTo(m, m->worst));
   PetscCall(Judge(m, beta, &worst));
   m->seconds = MPI_Wtime() - begin;

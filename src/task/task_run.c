@@ -10,15 +10,6 @@
 #include <mpmstab/errors.h>
 #include <math.h>
 
-static void Windows(json_t *result, const MpmTangents *t)
-{
-  (void)MpmResultList(result, "windows");
-  for (PetscInt w = 0; w < t->nwindows; w++)
-    MpmResultKeep(MpmResultNext(result, "windows"),
-                  "%" PetscInt64_FMT "{step} %" PetscInt_FMT "{steps} %g{growth} %g{waves}", t->at[w].step,
-                  t->at[w].steps, t->at[w].norm, t->at[w].waves);
-}
-
 static void Tangents(json_t *run, const MpmTangents *t)
 {
   json_t *result;
@@ -29,7 +20,11 @@ static void Tangents(json_t *run, const MpmTangents *t)
                 t->window, t->bytes, t->room);
   MpmResultKeep(result, "%" PetscInt_FMT "{warnings}", t->warned);
   (void)MpmResultList(result, "growth");
-  Windows(result, t);
+  (void)MpmResultList(result, "windows");
+  for (PetscInt w = 0; w < t->nwindows; w++)
+    MpmResultKeep(MpmResultNext(result, "windows"),
+                  "%" PetscInt64_FMT "{step} %" PetscInt_FMT "{steps} %g{growth} %g{waves}", t->at[w].step,
+                  t->at[w].steps, t->at[w].norm, t->at[w].waves);
   if (!t->steps) return;
   MpmPrint("\ntangent: small perturbations beside %" PetscInt64_FMT " steps, in x / h, v / c and F / F0\n", t->steps);
   MpmPrint("  growth per step, each orthogonal to those before it:");
@@ -391,16 +386,6 @@ static PetscErrorCode Report(const MpmRun *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void PrintStopped(const MpmRun *run, const MpmRequest *request)
-{
-  MpmPrint("stopped at step %" PetscInt64_FMT, run->steps);
-  if (request->end > 0)
-    MpmPrint(", at time %.6g of %.6g", run->time, request->end);
-  else
-    MpmPrint(" of %" PetscInt64_FMT, request->steps);
-  MpmPrint("; to go on: the same command with -restart %s\n", request->checkpoint);
-}
-
 PetscErrorCode MpmTaskRun(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmRun *run;
@@ -411,9 +396,14 @@ PetscErrorCode MpmTaskRun(const MpmScene *scene, const MpmRequest *request, Pets
   if (run->failure[0]) {
     MpmPrintFailure(run->failure);
     *missed = MPM_WORK_FAILED;
-  } else if (run->stopped)
-    PrintStopped(run, request);
-  else {
+  } else if (run->stopped) {
+    MpmPrint("stopped at step %" PetscInt64_FMT, run->steps);
+    if (request->end > 0)
+      MpmPrint(", at time %.6g of %.6g", run->time, request->end);
+    else
+      MpmPrint(" of %" PetscInt64_FMT, request->steps);
+    MpmPrint("; to go on: the same command with -restart %s\n", request->checkpoint);
+  } else {
     PetscCall(Report(run));
     PetscCall(MpmExpectRun(run, missed));
   }

@@ -78,14 +78,6 @@ static void Kreiss(json_t *result, const MpmSpectrum *s)
   }
 }
 
-static void Transient(json_t *result, const MpmSpectrum *s)
-{
-  if (s->transient) Powers(MpmResultIn(result, "transient"), s);
-  if (s->pseudospectrum) Kreiss(MpmResultIn(result, "pseudospectrum"), s);
-  if ((s->request->powers && !s->transient) || (s->request->pseudospectrum && !s->pseudospectrum))
-    MpmPrint("transient: none, the operator's numbers leave the range of doubles\n");
-}
-
 /* ---- the report ---- */
 
 static void Symbol(json_t *result, const MpmSpectrum *s)
@@ -220,7 +212,10 @@ static void Bulk(json_t *result, const MpmSpectrum *s)
   PrintSpectrum(s);
   if (s->scene) Measured(result, s);
   Operator(result, s);
-  Transient(result, s);
+  if (s->transient) Powers(MpmResultIn(result, "transient"), s);
+  if (s->pseudospectrum) Kreiss(MpmResultIn(result, "pseudospectrum"), s);
+  if ((s->request->powers && !s->transient) || (s->request->pseudospectrum && !s->pseudospectrum))
+    MpmPrint("transient: none, the operator's numbers leave the range of doubles\n");
 }
 
 PetscErrorCode MpmSpectrumReport(json_t *result, const MpmScene *scene, const MpmRequest *request, const MpmSpectrum *s,

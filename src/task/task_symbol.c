@@ -75,7 +75,11 @@ PetscErrorCode MpmSymbolWrite(const MpmSymbol *s, const MpmPredictor *p, MpmData
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmSymbolWriteCsv(const MpmSymbol *s, const MpmPredictor *p, const char path[])
+/*
+   Rows of beta, growth, growth without the null space of P2G (at rest; it is the particle data that no node feels),
+   published and corrected growth. In one dimension there is a row for each phase up to pi, in more for each phase.
+*/
+static PetscErrorCode WriteSymbolCsv(const MpmSymbol *s, const MpmPredictor *p, const char path[])
 {
   static const char *const names[MPM_MAX_DIM] = {"beta", "beta_x,beta_y", "beta_x,beta_y,beta_z"};
   const PetscInt           rows               = s->dim == 1 ? s->classes : s->all;
@@ -284,7 +288,7 @@ static PetscErrorCode WriteFiles(const MpmScene *scene, const MpmRequest *reques
 
   PetscFunctionBegin;
   if (request->csv[0] && a->damping) PetscCall(WriteDampingCsv(a->damping, request->csv));
-  if (request->csv[0] && !a->damping) PetscCall(MpmSymbolWriteCsv(a->symbol, predictor, request->csv));
+  if (request->csv[0] && !a->damping) PetscCall(WriteSymbolCsv(a->symbol, predictor, request->csv));
   if (request->write_blocks[0]) {
     if (scene) { /* of its lattice, of which its cells are a part */
       PetscCall(

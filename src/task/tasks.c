@@ -1,7 +1,4 @@
-/*
-   The list of tasks, from the words of the command line to those that were meant, the steps that all tasks on a scene
-   share, and the usage text.
-*/
+/* Words of the command line, the list of tasks, what all tasks on a scene share, usage, and expectations. */
 #include "base/launch.h"
 #include "base/memory.h"
 #include "base/stop.h"
@@ -47,13 +44,6 @@ static int IsAmong(const char word[], const char *const among[])
   return 0;
 }
 
-static int AsksForHelp(const char word[])
-{
-  static const char *const asks[] = {"-h", "-help", "--help", NULL};
-
-  return IsAmong(word, asks);
-}
-
 /* A task in any case of letters. */
 static const MpmTask *TaskOf(const char word[])
 {
@@ -91,8 +81,10 @@ static void AddOption(Words *words, char word[])
 /* help, or help TASK, wherever the user asks for it. */
 static int TakesHelp(int argc, char **argv, Words *words)
 {
+  static const char *const asks[] = {"-h", "-help", "--help", NULL};
+
   for (int w = 1; w < argc; w++) {
-    if (!AsksForHelp(argv[w])) continue;
+    if (!IsAmong(argv[w], asks)) continue;
     Add(words, help);
     if (w > 1 && TaskOf(argv[1])) Add(words, argv[1]);
     return 1;
@@ -162,7 +154,7 @@ int MpmWordsCheckViewers(int argc, char **argv)
   return 1;
 }
 
-/* The list of tasks, the steps that all tasks on a scene share, and the usage text. */
+/* ---- tasks ---- */
 
 const MpmTask MpmTasks[] = {
     {"run", "march a scene: error against the exact solution, measured growth, energy, throughput",
@@ -185,17 +177,6 @@ const MpmTask MpmTasks[] = {
     {NULL, NULL, NULL, NULL, NULL, NULL},
 };
 
-/* Refuses files from which a run is to start and cannot. A matrix in the place of a scene has no run. */
-static PetscErrorCode CheckStart(const MpmScene *scene, const MpmRequest *request)
-{
-  PetscFunctionBegin;
-  if (!scene) PetscFunctionReturn(PETSC_SUCCESS);
-  if (scene->initial == MPM_INITIAL_EIGENMODE && request->mode_file[0])
-    PetscCall(MpmModeFileCheck(scene, request->mode_file));
-  if (request->restart[0]) PetscCall(MpmCheckpointCheck(request->restart, scene, request->steps));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscReal started, int *status)
 {
   const char *path   = argc > 0 && argv[0][0] != '-' ? argv[0] : NULL;
@@ -208,7 +189,9 @@ PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscR
   PetscCall(MpmSettingsCheckOutside(task->name, path));
   PetscCall(MpmMemoryCheckLapack());
   PetscCall(MpmSceneCreate(task->name, path, &scene, &request));
-  PetscCall(CheckStart(scene, &request));
+  if (scene && scene->initial == MPM_INITIAL_EIGENMODE && request.mode_file[0])
+    PetscCall(MpmModeFileCheck(scene, request.mode_file));
+  if (scene && request.restart[0]) PetscCall(MpmCheckpointCheck(request.restart, scene, request.steps));
   MpmProgressShow(request.progress);
   PetscCall(task->work(scene, &request, started, &missed));
   PetscCall(MpmSceneDestroy(&scene));
@@ -227,11 +210,6 @@ void MpmPrintUsage(void)
       "  [mpirun -n R] mpmstab TASK [SCENE.yaml] [-option value]...  as in: mpmstab spectrum -drift 1/8 -courant 0.1\n",
       MPMSTAB_VERSION);
   for (const MpmTask *task = MpmTasks; task->name; task++) MpmPrint("  %-9s%s\n", task->name, task->summary);
-}
-
-void MpmPrintVersion(void)
-{
-  MpmPrint("mpmstab %s\n", MPMSTAB_VERSION);
 }
 
 /* An option of a list of this task's own, or of those that all tasks read. */
