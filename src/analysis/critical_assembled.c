@@ -13,6 +13,7 @@
 #include "scene/layout.h"
 #include "linalg/dense.h"
 #include "linalg/eigen.h"
+#include "linalg/matrix_polynomial.h"
 #include "operator/nodal.h"
 #include "operator/polynomial.h"
 #include <mpmstab/symbol.h>
@@ -316,17 +317,23 @@ static PetscErrorCode Weighted(const Probe *p, const MpmNodalPlan *plan, PetscRe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The least x at which C_0 + x C_1 has the eigenvalue -1. */
 static PetscErrorCode LeastDense(Mat C0, Mat C1, PetscReal *x)
 {
-  PetscReal *at[2];
-  PetscInt   n;
+  double complex *at[2];
+  PetscInt        n;
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(C0, &n, NULL));
   PetscCall(PetscMalloc2((size_t)n * n, &at[0], (size_t)n * n, &at[1]));
-  PetscCall(MpmDenseCopy(C0, at[0]));
-  PetscCall(MpmDenseCopy(C1, at[1]));
-  PetscCall(MpmPencilLeast(n, at[0], at[1], x));
+  for (int j = 0; j < 2; j++) {
+    PetscReal *real = (PetscReal *)at[j];
+
+    PetscCall(MpmDenseCopy(j ? C1 : C0, real));
+    for (PetscInt i = n * n - 1; i >= 0; i--) at[j][i] = real[i];
+  }
+  for (PetscInt i = 0; i < n; i++) at[0][i * (n + 1)] += 1;
+  PetscCall(MpmPolynomialSingular(n, 1, at, x));
   PetscCall(PetscFree2(at[0], at[1]));
   PetscCallMPI(MPI_Bcast(x, 1, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);

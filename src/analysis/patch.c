@@ -13,7 +13,7 @@
 */
 #include "analysis/patch.h"
 #include "analysis/search.h"
-#include "analysis/patch_lattice.h"
+#include "analysis/patch_search.h"
 #include "base/farm.h"
 #include <math.h>
 
@@ -91,7 +91,6 @@ static PetscErrorCode LimitOfSpot(void *context, const MpmPatchSpot *spot, Petsc
   PetscFunctionBegin;
   if (!p->slow) {
     PetscCall(MpmPatchCrossing(&p->lattice, spot, limit));
-    if (*limit > MPM_CRITICAL_TO) *limit = INFINITY; /* where there is none, rounding makes one of 1e7 and more */
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(MpmSearchFirst(GrowthOfSpot, &one, p->tolerance, &steps, PRECISION, bracket));
@@ -310,7 +309,7 @@ static PetscErrorCode Check(Patch *p, const MpmPatchSpot *spot, PetscReal limit,
 /* ---- one lattice ---- */
 
 /*
-   Deepens the lattice until its limit moves no more. It need not come from above: see MpmPatchOperator. A limit by rows
+   Deepens the lattice until its limit moves no more. It need not come from above: see MpmPatchCluster. A limit by rows
    that is another one on a deep lattice is none.
 */
 static PetscErrorCode Deepen(Patch *p, const MpmPatchSpot *spot, PetscReal *limit)
@@ -544,7 +543,7 @@ PetscErrorCode MpmPatchFind(const MpmCriticalCase *of, MpmPatchKind kind, MpmPat
                 of->scheme->transfer->name);
   *out = (MpmPatchLimit){.courant = INFINITY};
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) out->place[a] = out->beta[a] = NAN;
-  PetscCall(MpmPatchPlanCreate(of->scheme, &plan));
+  PetscCall(MpmNodalPlanCreate(of->scheme->table, NULL, &plan));
   if (kind == MPM_PATCH_LONE)
     PetscCall(FindEnds(of, plan, MPM_PATCH_SINGLE, all, wanted, &fewer, out));
   else

@@ -2,9 +2,10 @@
    The least value over places and phases. A point has, for each direction, a panel and a place s in it, or a place s in
    the spacing and a phase. Panels are not left: their neighbours have starts of their own.
 */
-#include "analysis/patch_lattice.h"
+#include "analysis/patch_search.h"
 #include "analysis/search.h"
 #include "base/farm.h"
+#include "scheme/maps.h"
 #include <math.h>
 
 #define MOST 6     /* starts */
@@ -14,6 +15,83 @@
 #define FINEST 1e-8
 #define FLAT 1e-10 /* relative */
 #define VARIABLES (2 * MPM_MAX_DIM)
+
+/* ---- a spot ---- */
+
+/*
+   Sets the nodes of a lattice along a direction, and returns the number of particles there. Without an end all nodes
+   are one, with phases, and the particles those of a cell.
+*/
+static PetscInt SetNodes(const MpmPatchLattice *l, const MpmPatchSpot *spot, PetscInt axis, MpmCluster *c)
+{
+  const MpmBasis *basis = l->of->scheme->basis;
+  const PetscInt  ppc   = l->of->layout->ppc[axis];
+
+  c->first[axis] = -basis->reach_left;
+  switch (l->end[axis]) {
+  case MPM_PATCH_ENDLESS:
+    c->wraps[axis] = PETSC_TRUE;
+    c->beta[axis]  = spot->beta[axis];
+    c->nodes[axis] = 1;
+    return ppc;
+  case MPM_PATCH_SINGLE:
+    c->nodes[axis] = MpmMapReach(basis);
+    return 1;
+  default:
+    if (l->held) c->first[axis] = l->depth / 2;
+    c->nodes[axis] = l->depth + 1 - c->first[axis];
+    return (l->depth + MpmMapReach(basis)) * ppc;
+  }
+}
+
+PetscErrorCode MpmPatchCluster(const MpmPatchLattice *l, const MpmPatchSpot *spot, MpmCluster *c)
+{
+  const PetscInt dim = l->plan->dim;
+  PetscInt       along[MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  *c = (MpmCluster){.of = l->of, .plan = l->plan, .n = 1};
+  for (PetscInt a = 0; a < dim; a++) {
+    along[a] = SetNodes(l, spot, a, c);
+    c->n *= along[a];
+  }
+  PetscCall(MpmClusterCreate(c->n, c));
+  for (PetscInt p = 0; p < c->n; p++)
+    for (PetscInt a = 0, rest = p; a < dim; rest /= along[a++]) {
+      const PetscInt ppc = l->of->layout->ppc[a], site = spot->j[a] + rest % along[a];
+
+      c->cell[dim * p + a] = site / ppc;
+      c->xi[dim * p + a]   = ((PetscReal)(site % ppc) + spot->t[a]) / (PetscReal)ppc;
+    }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPatchCrossing(MpmPatchLattice *l, const MpmPatchSpot *spot, PetscReal *courant)
+{
+  MpmCluster cluster;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPatchCluster(l, spot, &cluster));
+  PetscCall(MpmClusterCrossing(&cluster, courant));
+  PetscCall(MpmClusterDestroy(&cluster));
+  l->count++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmPatchGrowth(MpmPatchLattice *l, const MpmPatchSpot *spot, PetscReal courant, PetscReal *growth,
+                              PetscReal *rounding)
+{
+  MpmCluster cluster;
+
+  PetscFunctionBegin;
+  PetscCall(MpmPatchCluster(l, spot, &cluster));
+  PetscCall(MpmClusterGrowth(&cluster, courant, growth, rounding));
+  PetscCall(MpmClusterDestroy(&cluster));
+  l->count++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the points of a search ---- */
 
 /* A point: the panel of each direction with an end, and the variables: s, and where there is no end phase / pi. */
 typedef struct {

@@ -1,19 +1,10 @@
-/*
-   The nodal operator of a random layout. A product of maps, P W, is made particle by particle:
-
-     (P W)_ij = sum_p P_ip W_jp / m_i
-
-   In units in which a node's value is multiplied by the root of its mass it is P_ip W_jp / sqrt(m_i m_j), which has
-   entries of order 1 however little mass a node has. Nodes without mass are left out.
-*/
+/* Random layouts in a small periodic box: growth, limits, and layouts that are made worse step by step. */
+#include "analysis/cluster.h"
 #include "analysis/lone.h"
 #include "analysis/random_layouts.h"
 #include "analysis/search.h"
 #include "base/farm.h"
 #include "base/textfile.h"
-#include "linalg/dense.h"
-#include "operator/nodal.h"
-#include "program/maps.h"
 #include "scene/layout.h"
 #include <math.h>
 
@@ -21,7 +12,6 @@
 #define PRECISION 1e-7 /* relative, of a limit */
 #define TAKES 0.1      /* share of the moves that take a particle away */
 #define HALVINGS 10
-#define MOST_WEIGHTS (MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH)
 
 PetscInt MpmRankOfQuantile(PetscInt quantile, PetscInt n)
 {
@@ -38,16 +28,12 @@ typedef struct {
   PetscInt               evaluations;
 } Search;
 
-/* One layout in its box: its particles, the nodal masses, and its nodal operator as a polynomial. */
+/* One layout in its box, and its particles. */
 typedef struct {
-  const Search    *search;
-  MpmLayout        layout;
-  PetscInt         nodes, n;
-  PetscReal       *mass;
-  double complex **coefficient;
-  PetscReal       *matrix, *re, *im;
-  PetscInt        *evaluations;
-  PetscBool        failed; /* LAPACK did not converge at some Courant number */
+  Search    *search;
+  MpmLayout  layout;
+  MpmCluster cluster;
+  PetscBool  failed; /* LAPACK did not converge at some Courant number */
 } Boxed;
 
 /* Layout i. given: that of a layout with particles anywhere, else NULL; destroyed with MpmGivenDestroy. */
@@ -77,122 +63,44 @@ static PetscErrorCode BoxOf(const Search *s, PetscInt i, MpmLayout *to)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* The nodes of a site's particle, and its weights there of a kind of map along an axis. Returns how many there are. */
-static PetscInt Weights(const Boxed *b, PetscInt64 site, MpmOpKind kind, PetscInt axis, PetscInt node[],
-                        PetscReal weight[])
-{
-  static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
-  const MpmLayout       *l                 = &b->layout;
-  const MpmSlab          slab              = {.layout = l, .scheme = b->search->of->scheme};
-  PetscInt               cell[MPM_MAX_DIM];
-  PetscReal              xi[MPM_MAX_DIM], row[MPM_MAX_DIM][MPM_MAX_REACH];
-
-  MpmLayoutPlace(l, site, cell, xi);
-  for (PetscInt a = 0; a < l->dim; a++)
-    MpmMapRow(slab.scheme->basis, a == axis ? kind : MPM_G2P, xi[a], l->half_width[a], MpmNoWalls, row[a]);
-  return MpmNodeWeights(&slab, row, even, PETSC_FALSE, cell, node, weight);
-}
-
 static PetscBool IsThere(const Boxed *b, PetscInt64 site)
 {
   return !b->layout.given && MpmLayoutIsVoid(&b->layout, site, b->search->asked->voids) ? PETSC_FALSE : PETSC_TRUE;
 }
 
-static PetscErrorCode Masses(Boxed *b)
+/* Takes the particles where they are. */
+static void Take(Boxed *b)
 {
-  PetscInt  node[MOST_WEIGHTS];
-  PetscReal phi[MOST_WEIGHTS];
+  MpmCluster    *c   = &b->cluster;
+  const PetscInt dim = b->layout.dim;
 
-  PetscFunctionBegin;
-  PetscCall(PetscArrayzero(b->mass, b->nodes));
+  c->n = 0;
   for (PetscInt64 site = 0; site < b->layout.sites; site++) {
-    const PetscInt n = IsThere(b, site) ? Weights(b, site, MPM_P2G, 0, node, phi) : 0;
-
-    for (PetscInt i = 0; i < n; i++) b->mass[node[i]] += phi[i];
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static void AddProduct(const Boxed *b, const MpmOp *P, const MpmOp *W, double complex map[])
-{
-  PetscInt  from[MOST_WEIGHTS], to[MOST_WEIGHTS];
-  PetscReal w[MOST_WEIGHTS], p[MOST_WEIGHTS];
-
-  for (PetscInt64 site = 0; site < b->layout.sites; site++) {
-    PetscInt n;
-
     if (!IsThere(b, site)) continue;
-    n = Weights(b, site, W->kind, W->axis, from, w);
-    (void)Weights(b, site, P->kind, P->axis, to, p);
-    for (PetscInt j = 0; j < n; j++)
-      for (PetscInt i = 0; i < n; i++) {
-        const PetscReal mass = b->mass[to[i]] * b->mass[from[j]];
-
-        if (mass > 0) map[from[j] * b->nodes + to[i]] += p[i] * w[j] / sqrt(mass);
-      }
+    MpmLayoutPlace(&b->layout, site, c->cell + dim * c->n, c->xi + dim * c->n);
+    c->n++;
   }
-}
-
-/* The second difference along an axis, between nodes with mass. */
-static void AddStencil(const Boxed *b, const MpmOp *op, double complex map[])
-{
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscInt    cells  = b->layout.grid[0].cells;
-  PetscInt          stride = 1;
-
-  for (PetscInt a = 0; a < op->axis; a++) stride *= cells;
-  for (PetscInt i = 0; i < b->nodes; i++)
-    for (PetscInt d = -1; d <= 1; d++) {
-      const PetscInt along = i / stride % cells, other = i + stride * ((along + d + cells) % cells - along);
-
-      if (b->mass[i] > 0 && b->mass[other] > 0)
-        map[other * b->nodes + i] += traits.stencil[d + 1] * sqrt(b->mass[i] / b->mass[other]);
-    }
-}
-
-static PetscErrorCode MapOf(void *context, const MpmNodalMap *map, double complex matrix[])
-{
-  const Boxed *b = context;
-
-  PetscFunctionBegin;
-  if (map->product)
-    AddProduct(b, &map->to_nodes, &map->to_particles, matrix);
-  else
-    AddStencil(b, &map->to_nodes, matrix);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Makes the operator of the particles where they are. */
-static PetscErrorCode Assemble(Boxed *b)
-{
-  PetscFunctionBegin;
-  PetscCall(Masses(b));
-  PetscCall(MpmNodalRun(b->search->plan, b->nodes, MapOf, b, b->coefficient));
-  PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode BoxedCreate(Search *search, PetscInt i, Boxed *b)
 {
-  const MpmNodalPlan *plan = search->plan;
-
   PetscFunctionBegin;
-  *b = (Boxed){.search = search, .evaluations = &search->evaluations};
+  *b = (Boxed){.search = search, .cluster = {.of = search->of, .plan = search->plan}};
   PetscCall(BoxOf(search, i, &b->layout));
-  b->nodes = (PetscInt)MpmLayoutNodes(&b->layout);
-  b->n     = plan->nimages * b->nodes;
-  PetscCall(PetscCalloc1(b->nodes, &b->mass));
-  PetscCall(PetscMalloc4(b->n * b->n, &b->matrix, b->n, &b->re, b->n, &b->im, plan->degree + 1, &b->coefficient));
-  for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscMalloc1(b->n * b->n, &b->coefficient[j]));
-  PetscCall(Assemble(b));
+  for (PetscInt a = 0; a < b->layout.dim; a++) {
+    b->cluster.nodes[a] = b->layout.grid[a].nodes;
+    b->cluster.wraps[a] = PETSC_TRUE;
+  }
+  PetscCall(MpmClusterCreate((PetscInt)b->layout.sites, &b->cluster));
+  Take(b);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode BoxedDestroy(Boxed *b)
 {
   PetscFunctionBegin;
-  for (PetscInt j = 0; j <= b->search->plan->degree; j++) PetscCall(PetscFree(b->coefficient[j]));
-  PetscCall(PetscFree4(b->matrix, b->re, b->im, b->coefficient));
-  PetscCall(PetscFree(b->mass));
+  b->search->evaluations += b->cluster.count;
+  PetscCall(MpmClusterDestroy(&b->cluster));
   PetscCall(MpmGivenDestroy(&b->layout.given));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -200,22 +108,12 @@ static PetscErrorCode BoxedDestroy(Boxed *b)
 /* NaN where LAPACK did not converge. */
 static PetscErrorCode Growth(void *context, PetscReal courant, PetscReal *growth)
 {
-  Boxed              *b    = (Boxed *)context;
-  const MpmNodalPlan *plan = b->search->plan;
-  int                 failed;
+  Boxed    *b = (Boxed *)context;
+  PetscReal rounding;
 
   PetscFunctionBegin;
-  ++*b->evaluations;
-  for (PetscInt i = 0; i < b->n * b->n; i++) {
-    PetscReal sum = 0;
-
-    for (PetscInt j = plan->degree; j >= 0; j--) sum = sum * pow(courant, plan->stride) + creal(b->coefficient[j][i]);
-    b->matrix[i] = sum;
-  }
-  PetscCall(MpmDenseEigen(b->n, b->matrix, b->re, b->im, NULL, &failed));
-  *growth = failed ? NAN : 0;
-  if (failed) b->failed = PETSC_TRUE;
-  for (PetscInt i = 0; i < b->n && !failed; i++) *growth = PetscMax(*growth, hypot(b->re[i], b->im[i]));
+  PetscCall(MpmClusterGrowth(&b->cluster, courant, growth, &rounding));
+  if (isnan(*growth)) b->failed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -273,27 +171,7 @@ static PetscErrorCode ScanForLimit(Search *s)
 
 /* ---- the limit of each layout, where growth has real eigenvalues below -1 alone ---- */
 
-/* The limit of an operator C_0 + x C_1, x = k^stride. NaN where LAPACK failed. */
-static PetscErrorCode LinearLimit(Boxed *b, PetscReal *limit)
-{
-  const PetscInt n = b->n;
-  PetscReal     *at_rest, x;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(n * n, &at_rest));
-  for (PetscInt i = 0; i < n * n; i++) {
-    at_rest[i]   = creal(b->coefficient[0][i]);
-    b->matrix[i] = creal(b->coefficient[1][i]);
-  }
-  ++*b->evaluations;
-  PetscCall(MpmPencilLeast(n, at_rest, b->matrix, &x));
-  PetscCall(PetscFree(at_rest));
-  *limit = pow(x, 1.0 / b->search->plan->stride);
-  if (*limit > MPM_CRITICAL_TO) *limit = INFINITY;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The same by growth, where it is below a Courant number; else infinite. */
+/* The limit by growth, where it is below a Courant number; else infinite. */
 static PetscErrorCode SoughtLimit(Boxed *b, PetscReal to, PetscReal *limit)
 {
   const MpmSearchSteps steps = {.from = to, .to = to, .least = LEAST};
@@ -310,7 +188,7 @@ static PetscErrorCode SoughtLimit(Boxed *b, PetscReal to, PetscReal *limit)
 static PetscErrorCode LimitOfBox(Boxed *b, PetscReal to, PetscReal *limit)
 {
   PetscFunctionBegin;
-  PetscCall(b->search->plan->degree == 1 ? LinearLimit(b, limit)
+  PetscCall(b->search->plan->degree == 1 ? MpmClusterCrossing(&b->cluster, limit)
                                          : SoughtLimit(b, PetscMin(to, MPM_CRITICAL_TO), limit));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -381,7 +259,7 @@ static PetscErrorCode Worsen(Boxed *b, PetscReal *limit)
     PetscReal other;
 
     MakeMove(&b->layout, m, b->search->asked->moves, &move);
-    PetscCall(Assemble(b));
+    Take(b);
     PetscCall(LimitOfBox(b, *limit, &other));
     if (other < *limit * (1 - PRECISION)) /* rounding must not choose the way */
       *limit = other;

@@ -134,8 +134,8 @@ PetscErrorCode MpmEigenListEnd(MpmEigen *e);
 PetscErrorCode MpmEigenNorm(Mat A, PetscReal *norm);
 
 /*
-   MpmPencilLeastKrylov - the number of MpmPencilLeast (linalg/dense.h) of sparse matrices, by a Krylov space. NaN: the
-   solver found no eigenvalue.
+   MpmPencilLeastKrylov - the least x > 0 at which C_0 + x C_1 has the eigenvalue -1, of sparse matrices, by a Krylov
+   space. NaN: the solver found no eigenvalue.
 
    Collective. C_0 is overwritten by C_0 + 1, whose systems GMRES solves: C_0 is what a transfer keeps of nodal
    velocities, with eigenvalues from 0 to 1.

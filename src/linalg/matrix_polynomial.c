@@ -9,16 +9,15 @@
 
 /* ---- eigenvalues ---- */
 
-static PetscErrorCode RealEigenvalues(PetscInt n, const double complex matrix[], double complex value[])
+/* failed: LAPACK did not converge */
+static PetscErrorCode RealEigenvalues(PetscInt n, const double complex matrix[], double complex value[], int *failed)
 {
   PetscReal *a, *re, *im;
-  int        failed;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc3(n * n, &a, n, &re, n, &im));
   for (PetscInt i = 0; i < n * n; i++) a[i] = creal(matrix[i]);
-  PetscCall(MpmDenseEigen(n, a, re, im, NULL, &failed));
-  PetscCheck(!failed, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgeev did not converge");
+  PetscCall(MpmDenseEigen(n, a, re, im, NULL, failed));
   for (PetscInt i = 0; i < n; i++) value[i] = CMPLX(re[i], im[i]);
   PetscCall(PetscFree3(a, re, im));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -44,28 +43,32 @@ static PetscBool IsReal(PetscInt n, const double complex a[])
   return PETSC_TRUE;
 }
 
-/* Real matrices, those of patches without a phase, take a quarter of the time. */
-static PetscErrorCode Eigenvalues(PetscInt n, double complex matrix[], double complex value[], PetscBool *finite)
+/*
+   Real matrices, those of particles without a phase, take a quarter of the time. none: 0, or what is known where there
+   are no eigenvalues: INFINITY of numbers out of range, NAN where LAPACK did not converge.
+*/
+static PetscErrorCode Eigenvalues(PetscInt n, double complex matrix[], double complex value[], PetscReal *none)
 {
+  int failed = 0;
+
   PetscFunctionBegin;
-  *finite = PETSC_TRUE;
+  *none = 0;
   for (PetscInt i = 0; i < n * n; i++)
-    if (!isfinite(creal(matrix[i])) || !isfinite(cimag(matrix[i]))) *finite = PETSC_FALSE;
-  if (*finite)
-    PetscCall(IsReal(n * n, matrix) ? RealEigenvalues(n, matrix, value) : ComplexEigenvalues(n, matrix, value));
+    if (!isfinite(creal(matrix[i])) || !isfinite(cimag(matrix[i]))) *none = INFINITY;
+  if (*none > 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(IsReal(n * n, matrix) ? RealEigenvalues(n, matrix, value, &failed) : ComplexEigenvalues(n, matrix, value));
+  if (failed) *none = NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmPolynomialRadius(PetscInt n, double complex matrix[], PetscReal *radius)
 {
   double complex *value;
-  PetscBool       finite;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n, &value));
-  PetscCall(Eigenvalues(n, matrix, value, &finite));
-  *radius = finite ? 0 : INFINITY;
-  for (PetscInt i = 0; finite && i < n; i++) *radius = PetscMax(*radius, cabs(value[i]));
+  PetscCall(Eigenvalues(n, matrix, value, radius));
+  for (PetscInt i = 0; *radius < INFINITY && i < n; i++) *radius = PetscMax(*radius, cabs(value[i]));
   PetscCall(PetscFree(value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -249,7 +252,7 @@ static PetscErrorCode LeastRoot(PetscInt count, PetscInt degree, const double co
 {
   const PetscInt  n = count * degree;
   double complex *companion, *value;
-  PetscBool       finite;
+  PetscReal       none;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc2(n * n, &companion, n, &value));
@@ -258,9 +261,9 @@ static PetscErrorCode LeastRoot(PetscInt count, PetscInt degree, const double co
       for (PetscInt b = 0; b < count; b++) companion[(j * count + a) * n + b] = -K[(j * count + a) * count + b];
       if (j + 1 < degree) companion[(j * count + a) * n + (j + 1) * count + a] = 1;
     }
-  PetscCall(Eigenvalues(n, companion, value, &finite));
-  *x = INFINITY;
-  for (PetscInt i = 0; finite && i < n; i++)
+  PetscCall(Eigenvalues(n, companion, value, &none));
+  *x = isnan(none) ? NAN : INFINITY;
+  for (PetscInt i = 0; none == 0 && i < n; i++)
     if (creal(value[i]) > 0 && fabs(cimag(value[i])) <= REAL * creal(value[i])) *x = PetscMin(*x, 1 / creal(value[i]));
   PetscCall(PetscFree2(companion, value));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -5,7 +5,7 @@
 */
 #include "check.h"
 #include "analysis/waves.h"
-#include "analysis/patch_lattice.h"
+#include "analysis/patch_search.h"
 #include "linalg/dense.h"
 #include "program/maps.h"
 #include "operator/nodal.h"

@@ -5,7 +5,7 @@
 #include "check.h"
 #include "analysis/critical_parts.h"
 #include "analysis/patch.h"
-#include "analysis/patch_lattice.h"
+#include "analysis/patch_search.h"
 #include "linalg/dense.h"
 #include <mpmstab/operator.h>
 
@@ -88,7 +88,7 @@ static PetscErrorCode CheckHats(void)
 
   PetscFunctionBegin;
   PetscCall(CheckScene("-cells 8 -ppc 1 -formulation usl", &scene));
-  PetscCall(MpmPatchPlanCreate(&scene->scheme, &plan));
+  PetscCall(MpmNodalPlanCreate(scene->scheme.table, NULL, &plan));
   CHECK(plan->nimages == 2 && plan->stride == 2 && plan->degree == 1, "usl has %d images", (int)plan->nimages);
   of           = MpmCriticalCaseOf(scene, TOLERANCE);
   lattice.of   = &of;
@@ -110,6 +110,7 @@ static PetscErrorCode CheckFields(void)
 {
   const MpmPatchSpot spot    = {.t = {0.2, 0.3, 0.4}};
   MpmPatchLattice    lattice = {.end = {MPM_PATCH_SINGLE, MPM_PATCH_SINGLE, MPM_PATCH_SINGLE}};
+  MpmCluster         cluster;
   MpmScene          *scene;
   MpmNodalPlan      *plan;
   MpmCriticalCase    of;
@@ -119,11 +120,13 @@ static PetscErrorCode CheckFields(void)
 
   PetscFunctionBegin;
   PetscCall(CheckScene("-dim 3 -cells 8 -ppc 1 -formulation usl -transfer pic -basis cubic", &scene));
-  PetscCall(MpmPatchPlanCreate(&scene->scheme, &plan));
+  PetscCall(MpmNodalPlanCreate(scene->scheme.table, NULL, &plan));
   of           = MpmCriticalCaseOf(scene, TOLERANCE);
   lattice.of   = &of;
   lattice.plan = plan;
-  PetscCall(MpmPatchOperator(&lattice, &spot, &n, coefficient, &unseen));
+  PetscCall(MpmPatchCluster(&lattice, &spot, &cluster));
+  PetscCall(MpmClusterOperator(&cluster, &n, coefficient, &unseen));
+  PetscCall(MpmClusterDestroy(&cluster));
   CHECK(n == 4 * plan->nimages, "%d unknowns of %d images", (int)n, (int)plan->nimages);
   CHECK(unseen == 1, "other fields are multiplied by %g", unseen);
   for (PetscInt j = 0; j <= plan->degree; j++) PetscCall(PetscFree(coefficient[j]));
@@ -140,14 +143,18 @@ static PetscErrorCode LimitAt(const MpmScene *scene, PetscInt surfaces, PetscInt
   const MpmCriticalCase of      = MpmCriticalCaseOf(scene, TOLERANCE);
   const MpmPatchSpot    spot    = {.j = {j, j}, .t = {t, t}};
   MpmPatchLattice       lattice = {.of = &of, .depth = scene->layout.dim == 1 ? 60 : 5};
+  MpmScheme             open    = scene->scheme;
   MpmNodalPlan         *plan;
 
   PetscFunctionBegin;
+  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) open.space.ends[a][0] = open.space.ends[a][1] = MPM_PERIODIC;
   for (PetscInt a = 0; a < surfaces; a++) lattice.end[a] = MPM_PATCH_SURFACE;
-  PetscCall(MpmPatchPlanCreate(&scene->scheme, &plan));
+  PetscCall(MpmTableCreate(open.formulation, open.transfer, &open.numbers, &open.space, &open.table));
+  PetscCall(MpmNodalPlanCreate(open.table, NULL, &plan));
   lattice.plan = plan;
   PetscCall(MpmPatchCrossing(&lattice, &spot, limit));
   PetscCall(MpmNodalPlanDestroy(&plan));
+  PetscCall(MpmTableDestroy(&open.table));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,10 +1,9 @@
 /*
-   A lattice of particles at one place in the grid and one set of phases: its nodal operator and what that says
-   (patch_lattice.c); and a search over places and phases, where a limit is least, or growth largest (patch_search.c).
+   A lattice of particles at one place in the grid and one set of phases, and a search over places and phases, where a
+   limit is least, or growth largest.
 */
 #pragma once
-#include "operator/nodal.h"
-#include <mpmstab/critical.h>
+#include "analysis/cluster.h"
 
 /*E
    MpmPatchEnd - how a lattice is in a direction: it has no end, begins at a free surface, or is a single particle.
@@ -37,16 +36,10 @@ typedef struct {
   PetscInt64             count;
 } MpmPatchLattice;
 
-/* Not collective. The plan of a scheme's table without the walls that its grid may have. */
-PetscErrorCode MpmPatchPlanCreate(const MpmScheme *scheme, MpmNodalPlan **plan);
-
 /*
-   MpmPatchOperator - the nodal operator of a spot as a polynomial (see MpmNodalRun), in units in which a node's value
-   is multiplied by the root of its mass.
+   MpmPatchCluster - the particles of a spot; destroyed with MpmClusterDestroy.
 
-   Not collective. coefficient: room for pointers to plan->degree + 1 matrices of order n; free each with PetscFree.
-   unseen: the largest abs of the eigenvalues that are left out, those of nodal fields that a lone particle neither
-   reads nor gives; 0 where there are none. They are not -1.
+   Not collective.
 
    Behind a surface the nodes beyond depth are held: their values are 0. On them nothing happens that could grow, and
    for apic with equal maps there and back the limit comes from above as depth grows, since the quotient that has it is
@@ -54,17 +47,9 @@ PetscErrorCode MpmPatchPlanCreate(const MpmScheme *scheme, MpmNodalPlan **plan);
    a shallow lattice grows and a deep one does not. A held end may even have a mode of its own: held shows it. A second
    surface there would have its own limit.
 */
-PetscErrorCode MpmPatchOperator(const MpmPatchLattice *lattice, const MpmPatchSpot *spot, PetscInt *n,
-                                double complex *coefficient[], PetscReal *unseen);
+PetscErrorCode MpmPatchCluster(const MpmPatchLattice *lattice, const MpmPatchSpot *spot, MpmCluster *cluster);
 
-/*
-   MpmPatchCrossing - the least Courant number at which an eigenvalue of a spot is -1; infinite where there is none.
-   MpmPatchGrowth   - the largest abs of its eigenvalues at a Courant number. rounding: the growth that rounding may
-                      make of a defective pair there (see MpmDefectiveErrorOf); it is large for a node that has hardly
-                      any mass.
-
-   Not collective.
-*/
+/* Not collective. MpmClusterCrossing and MpmClusterGrowth of a spot. */
 PetscErrorCode MpmPatchCrossing(MpmPatchLattice *lattice, const MpmPatchSpot *spot, PetscReal *courant);
 PetscErrorCode MpmPatchGrowth(MpmPatchLattice *lattice, const MpmPatchSpot *spot, PetscReal courant, PetscReal *growth,
                               PetscReal *rounding);
