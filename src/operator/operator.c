@@ -321,7 +321,7 @@ PetscErrorCode MpmOperatorMismatch(const MpmOperator *op, PetscReal *mismatch)
     PetscReal norm, image, difference;
 
     PetscCall(StateOf(march, start, before));
-    for (PetscInt step = 0; step < op->period; step++) PetscCall(MpmMarchStep(march, PETSC_FALSE));
+    for (PetscInt step = 0; step < op->period; step++) PetscCall(MpmMarchStep(march));
     PetscCall(StateOf(march, start + op->exponent, after));
     PetscCall(MatMult(op->A, before, predicted));
     PetscCall(VecNorm(predicted, NORM_2, &image));
