@@ -37,7 +37,7 @@ MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("aflip: share by 1e-6", TRANSFER + "aflip.c", "1 - numbers->affine_ratio, ONE", "1.000001 - numbers->affine_ratio, ONE"),
     ("tpic: no gradient of the functions", TRANSFER + "tpic.c", ".taylor        = PETSC_TRUE,", ""),
     ("nullspace: symbol by 1e-6", TRANSFER + "nullspace.c", "return alpha > 0 ? 1 : 0;", "return alpha > 0 ? 0.999999 : 0;"),
-    ("halo: lost sums of other ranks", "src/march/grid.c", "+= h->others[n * l + f]", "+= 0 * h->others[n * l + f]"),
+    ("halo: lost sums of other ranks", "src/march/grid.c", "MPIU_SUM", "MPI_REPLACE"),
     ("march: particles do not migrate", "src/march/march.c", "if (most + 1 > march->slack)", "if (most > march->slack + 100)"),
     ("wall: mirror image one node off", "src/scheme/maps.c", "-node : 2 * last - node;", "-node : 2 * last - node + 1;"),
     ("bloch: phase in the wrong direction", "src/symbol/bloch.c", "angle -= beta[a]", "angle += beta[a]"),

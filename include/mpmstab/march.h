@@ -16,12 +16,8 @@ typedef struct MpmMarch_ MpmMarch;
 PetscErrorCode MpmMarchCreate(MPI_Comm comm, const MpmScene *scene, MpmMarch **march);
 PetscErrorCode MpmMarchDestroy(MpmMarch **march);
 
-/*
-   MpmMarchStep - takes one time step.
-
-   Collective. sample asks for the sums of squares that MpmMarchNorms needs.
-*/
-PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample);
+/* Collective. Takes one time step. */
+PetscErrorCode MpmMarchStep(MpmMarch *march);
 
 /*S
    MpmNorms - norms of the state. With the exponent of the march, state and grid are in units of 2^exponent, and energy
@@ -37,9 +33,5 @@ typedef struct {
   PetscReal state, energy, grid;
 } MpmNorms;
 
-/*
-   MpmMarchNorms - the norms of the state after a sampled step, or before the first step.
-
-   Collective.
-*/
+/* Collective. The norms of the state. */
 PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms);

@@ -223,7 +223,7 @@ static PetscErrorCode March(Loop *loop)
     PetscCall(ChooseStep(loop));
     sample = step % loop->gap == 0 || step == loop->run->last ? PETSC_TRUE : PETSC_FALSE;
     PetscCall(Perturb(loop));
-    PetscCall(MpmMarchStep(loop->march, sample));
+    PetscCall(MpmMarchStep(loop->march));
     if (loop->march->failure[0]) break;
     if (loop->run->pace) PetscCall(MpmPaceTook(loop->run->pace, loop->march));
     if (loop->run->watch) PetscCall(MpmPaceTook(loop->run->watch, loop->march));

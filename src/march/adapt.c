@@ -76,8 +76,7 @@ static PetscErrorCode Explain(MpmMarch *march, PetscInt64 parts)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmHalveStep(MpmMarch *march, PetscErrorCode (*take)(MpmMarch *march, PetscBool sample),
-                            PetscBool sample)
+PetscErrorCode MpmHalveStep(MpmMarch *march, PetscErrorCode (*take)(MpmMarch *march))
 {
   const PetscReal whole = march->courant;
   MpmHalve       *h     = march->halve;
@@ -86,7 +85,7 @@ PetscErrorCode MpmHalveStep(MpmMarch *march, PetscErrorCode (*take)(MpmMarch *ma
   PetscFunctionBegin;
   for (PetscInt64 done = 0, parts = 1; done < parts;) {
     PetscCall(Keep(march));
-    PetscCall(take(march, sample));
+    PetscCall(take(march));
     if (!march->failure[0]) {
       march->within = whole * (PetscReal)++done / (PetscReal)parts;
       if (done < parts) march->particles->step = march->step;

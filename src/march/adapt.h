@@ -29,8 +29,7 @@ struct MpmHalve_ {
 };
 
 /* Collective. Takes a step, in parts if need be. take: takes one part. Where that fails, march->failure says so. */
-PetscErrorCode MpmHalveStep(MpmMarch *march, PetscErrorCode (*take)(MpmMarch *march, PetscBool sample),
-                            PetscBool sample);
+PetscErrorCode MpmHalveStep(MpmMarch *march, PetscErrorCode (*take)(MpmMarch *march));
 PetscErrorCode MpmHalveDestroy(MpmHalve **halve);
 
 /*S

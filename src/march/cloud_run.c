@@ -307,8 +307,7 @@ static void RunCloud(const MpmMarchArrays *a, PetscInt begin, PetscInt n, Work *
     if (step->kind == MPM_ROW_DRIFT || (step->kind == MPM_ROW_FINITE && step->finite == MPM_ADVANCE)) {
       placed = &w->placed[1];
       Place(a, begin, n, 1, placed);
-    } else if (step->kind == MPM_ROW_SAMPLE && a->sample)
-      a->squares[step->particle] += MpmSumSquares(n, MpmRowsField(a, step->particle, begin));
+    }
   }
 }
 

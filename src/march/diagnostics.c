@@ -31,28 +31,23 @@ static PetscReal CellVolume(const MpmMarch *march)
   return volume;
 }
 
-/*
-   The sum of squares of a field, weighted by volume, or as in a term of the energy. Where particles differ they are
-   gone through again at each sample.
-*/
-static PetscReal WeighedSquares(const MpmMarchArrays *at, const MpmEnergyTerm *term, const PetscReal q[])
+/* squares: of the registers of the state, where all particles are alike. */
+typedef struct {
+  MpmMarchArrays at;
+  PetscReal      squares[MPM_MAX_FIELDS];
+} State;
+
+/* The sum of squares of a register of the state, weighted by volume, or as in a term of the energy. */
+static PetscReal ParticleSquares(const State *s, PetscInt r, const MpmEnergyTerm *term)
 {
-  const PetscReal *weight    = at->weight[term && !term->stress ? MPM_MASS : MPM_VOLUME];
-  const PetscReal *stiffness = term && term->stress ? at->weight[MPM_STIFFNESS] : NULL;
+  const PetscReal *q = s->at.particle[r], *weight = s->at.weight[term && !term->stress ? MPM_MASS : MPM_VOLUME];
+  const PetscReal *stiffness = term && term->stress ? s->at.weight[MPM_STIFFNESS] : NULL;
   PetscReal        sum       = 0;
 
-  for (PetscInt p = 0; p < at->march->particles->count; p++)
+  if (!Differ(s->at.march->layout)) return s->squares[r];
+  for (PetscInt p = 0; p < s->at.march->particles->count; p++)
     sum += q[p] * q[p] * (weight ? weight[p] : 1) / (stiffness ? stiffness[p] : 1);
   return sum;
-}
-
-/* The sum of squares of a particle field. The passes of a sampled step have computed it, but for the first step. */
-static PetscReal ParticleSquares(const MpmMarchArrays *at, PetscInt field, const MpmEnergyTerm *term)
-{
-  const MpmMarch *march = at->march;
-
-  if (Differ(march->layout)) return WeighedSquares(at, term, at->particle[field]);
-  return march->step > 0 ? march->squares[field] : MpmSumSquares(march->particles->count, at->particle[field]);
 }
 
 /* The squares of a row of n nodes, or of its differences to the nodes stride further on. */
@@ -99,60 +94,46 @@ static PetscReal SeenSquares(const MpmMarchArrays *at, PetscInt field)
 
 /*
    The energy of a stress s with the components 00 01 02 11 12 22, twice: s : C^-1 s = s : s / (2 mu) -
-   lambda tr(s)^2 / (2 mu (d lambda + 2 mu)), in units of rho c^2 = lambda + 2 mu. Here of particles that differ.
+   lambda tr(s)^2 / (2 mu (d lambda + 2 mu)), in units of rho c^2 = lambda + 2 mu.
 */
-static PetscReal WeighedStressSquares(const MpmMarchArrays *at, PetscInt first, PetscReal mu, PetscReal of_trace)
-{
-  const PetscInt   dim    = at->march->layout->dim;
-  const PetscReal *weight = at->weight[MPM_VOLUME], *stiffness = at->weight[MPM_STIFFNESS];
-  PetscReal        sum = 0;
-
-  for (PetscInt p = 0; p < at->march->particles->count; p++) {
-    PetscReal trace = 0, squares = 0;
-
-    for (PetscInt a = 0, c = first; a < dim; a++)
-      for (PetscInt b = a; b < dim; b++, c++) {
-        squares += (a == b ? 1 : 2) * PetscSqr(at->particle[c][p]);
-        trace += a == b ? at->particle[c][p] : 0;
-      }
-    squares = squares / (2 * mu) - of_trace * trace * trace;
-    sum += squares * (weight ? weight[p] : 1) / (stiffness ? stiffness[p] : 1);
-  }
-  return sum;
-}
-
-/* The same of particles that are alike. The squares of the components are known: only those of the trace are to sum. */
 static PetscReal StressSquares(const MpmMarchArrays *at, PetscInt first)
 {
-  const PetscInt  dim = at->march->layout->dim, count = at->march->particles->count;
-  const PetscReal nu = at->march->scheme->space.poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
-  const PetscReal of_trace = lambda / (2 * mu * (dim * lambda + 2 * mu));
-  PetscReal       trace[MPM_BLOCK], sum = 0;
+  const PetscInt   dim = at->march->layout->dim, count = at->march->particles->count;
+  const PetscReal  nu = at->march->scheme->space.poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
+  const PetscReal  of_trace = lambda / (2 * mu * (dim * lambda + 2 * mu));
+  const PetscReal *weight = at->weight[MPM_VOLUME], *stiffness = at->weight[MPM_STIFFNESS];
+  PetscReal        trace[MPM_BLOCK], squares[MPM_BLOCK], sum = 0;
 
-  if (Differ(at->march->layout) || at->weight[MPM_VOLUME]) return WeighedStressSquares(at, first, mu, of_trace);
-  for (PetscInt a = 0, c = first; a < dim; a++)
-    for (PetscInt b = a; b < dim; b++, c++) sum += (a == b ? 1 : 2) * ParticleSquares(at, c, NULL) / (2 * mu);
-  for (PetscInt p = 0; p < count; p += MPM_BLOCK) {
-    const PetscInt n = PetscMin(count - p, MPM_BLOCK);
+  for (PetscInt begin = 0; begin < count; begin += MPM_BLOCK) {
+    const PetscInt n = PetscMin(count - begin, MPM_BLOCK);
 
-    for (PetscInt a = 0, c = first; a < dim; c += dim - a++)
-      (a ? MpmNodeAdd : MpmNodeCopy)(0, n, 1, at->particle[c] + p, trace);
-    sum -= of_trace * MpmSumSquares(n, trace);
+    for (PetscInt p = 0; p < n; p++) trace[p] = squares[p] = 0;
+    for (PetscInt a = 0, c = first; a < dim; a++)
+      for (PetscInt b = a; b < dim; b++, c++) {
+        const PetscReal *q = at->particle[c] + begin, times = (a == b ? 1 : 2) / (2 * mu);
+
+        for (PetscInt p = 0; p < n; p++) squares[p] += times * q[p] * q[p];
+        for (PetscInt p = 0; p < n && a == b; p++) trace[p] += q[p];
+      }
+    for (PetscInt p = 0; p < n; p++) squares[p] -= of_trace * trace[p] * trace[p];
+    for (PetscInt p = 0; p < n && weight; p++) squares[p] *= weight[begin + p];
+    for (PetscInt p = 0; p < n && stiffness; p++) squares[p] /= stiffness[begin + p];
+    for (PetscInt p = 0; p < n; p++) sum += squares[p];
   }
   return sum;
 }
 
 /* The sum of squares of a particle field over its components, as in a term of the energy. */
-static PetscReal TermSquares(const MpmMarchArrays *at, const MpmEnergyTerm *term)
+static PetscReal TermSquares(const State *s, const MpmEnergyTerm *term)
 {
-  const MpmTable *table = at->march->scheme->table;
+  const MpmTable *table = s->at.march->scheme->table;
   PetscInt        first = 0, n = 0;
   PetscReal       sum = 0;
 
   while (table->field[first] != term->field) first++;
   while (first + n < table->nstate && table->field[first + n] == term->field) n++;
-  if (term->stress && n > 1) return StressSquares(at, first);
-  for (PetscInt r = first; r < first + n; r++) sum += ParticleSquares(at, r, term);
+  if (term->stress && n > 1) return StressSquares(&s->at, first);
+  for (PetscInt r = first; r < first + n; r++) sum += ParticleSquares(s, r, term);
   return sum;
 }
 
@@ -161,31 +142,33 @@ PetscErrorCode MpmMarchNorms(const MpmMarch *march, MpmNorms *norms)
   const PetscInt  terms   = MpmSchemeEnergyTerms(march->scheme);
   const PetscReal h       = CellVolume(march);
   PetscReal       sums[3] = {0, 0, 0};
-  MpmMarchArrays  at      = {.march = march};
+  State           s       = {.at = {.march = march}};
 
   PetscFunctionBegin;
   if (march->particles->own) {
     PetscCall(MpmFiniteNorms(march, norms));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmMarchGetArrays(march, march->particles->step, &at));
-  for (PetscInt f = 0; f < march->scheme->table->nstate; f++)
-    sums[0] += h / MpmLayoutPpc(march->layout) * ParticleSquares(&at, f, NULL);
-  if (!terms) sums[2] = SeenSquares(&at, MPM_NONE);
+  PetscCall(MpmMarchGetArrays(march, march->particles->step, &s.at));
+  for (PetscInt r = 0; r < march->scheme->table->nstate; r++) {
+    if (!Differ(march->layout)) s.squares[r] = MpmSumSquares(march->particles->count, s.at.particle[r]);
+    sums[0] += h / MpmLayoutPpc(march->layout) * ParticleSquares(&s, r, NULL);
+  }
+  if (!terms) sums[2] = SeenSquares(&s.at, MPM_NONE);
   for (const MpmEnergyTerm *term = march->scheme->formulation->energy;
        terms && term < march->scheme->formulation->energy + terms; term++) {
     PetscReal squares;
 
     if (term->place == MPM_ON_PARTICLES) {
-      sums[2] += SeenSquares(&at, term->field);
-      squares = TermSquares(&at, term) / MpmLayoutPpc(march->layout);
+      sums[2] += SeenSquares(&s.at, term->field);
+      squares = TermSquares(&s, term) / MpmLayoutPpc(march->layout);
     } else {
-      squares = NodeSquares(march->grid, at.node[term->field], PETSC_TRUE);
+      squares = NodeSquares(march->grid, s.at.node[term->field], PETSC_TRUE);
       sums[2] += h * squares;
     }
     sums[1] += h * squares;
   }
-  PetscCall(MpmMarchRestoreArrays(march, &at));
+  PetscCall(MpmMarchRestoreArrays(march, &s.at));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPIU_REAL, MPI_SUM, PetscObjectComm((PetscObject)march->grid->da)));
   norms->state  = sqrt(sums[0]);
   norms->energy = terms ? sums[1] / 2 : NAN;

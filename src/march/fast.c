@@ -115,15 +115,10 @@ static PetscErrorCode RunParticles(MpmMarch *march, const MpmPass *pass, PetscIn
 }
 
 /* Takes particles through a pass, and then does its operations on nodes. step: of their places; DRIFT moves it on. */
-static PetscErrorCode RunPass(MpmMarch *march, PetscInt number, const MpmParity parity[][MPM_MAX_DIM], PetscBool sample,
-                              PetscInt64 *step)
+static PetscErrorCode RunPass(MpmMarch *march, PetscInt number, const MpmParity parity[][MPM_MAX_DIM], PetscInt64 *step)
 {
   const MpmPass *pass   = PassOf(march, number);
-  MpmMarchArrays arrays = {.march   = march,
-                           .plan    = &march->plans[number],
-                           .sample  = sample,
-                           .within  = pass->within,
-                           .squares = march->squares};
+  MpmMarchArrays arrays = {.march = march, .plan = &march->plans[number], .within = pass->within};
 
   PetscFunctionBegin;
   PetscCall(MpmMarchGetArrays(march, *step, &arrays));
@@ -148,18 +143,17 @@ static PetscErrorCode RunPass(MpmMarch *march, PetscInt number, const MpmParity 
 static PetscErrorCode Start(MpmMarch *march)
 {
   PetscFunctionBegin;
-  PetscCall(
-      RunPass(march, march->schedule.npasses, march->scheme->table->parity, PETSC_FALSE, &march->particles->step));
+  PetscCall(RunPass(march, march->schedule.npasses, march->scheme->table->parity, &march->particles->step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Step(MpmMarch *march, PetscBool sample)
+static PetscErrorCode Step(MpmMarch *march)
 {
   PetscFunctionBegin;
   for (PetscInt p = 0; p < march->schedule.npasses && !march->failure[0]; p++) {
     const MpmPass *pass = &march->schedule.pass[p];
 
-    PetscCall(RunPass(march, p, march->scheme->table->parity, sample, &march->particles->step));
+    PetscCall(RunPass(march, p, march->scheme->table->parity, &march->particles->step));
     if (pass->drifts) PetscCall(MpmMarchMoved(march, pass->rebase ? PETSC_FALSE : PETSC_TRUE));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -168,8 +162,7 @@ static PetscErrorCode Step(MpmMarch *march, PetscBool sample)
 static PetscErrorCode Stiffness(MpmMarch *march, PetscInt64 step, PetscInt i)
 {
   PetscFunctionBegin;
-  PetscCall(
-      RunPass(march, march->schedule.npasses + 1 + i, march->scheme->table->stiff[i]->parity, PETSC_FALSE, &step));
+  PetscCall(RunPass(march, march->schedule.npasses + 1 + i, march->scheme->table->stiff[i]->parity, &step));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

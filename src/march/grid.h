@@ -3,8 +3,7 @@
 #include "march/partition.h"
 #include <mpmstab/layout.h>
 #include <petscdmda.h>
-
-typedef struct MpmHalo_ MpmHalo; /* the nodes that ranks share */
+#include <petscsf.h>
 
 /*S
    MpmGridAxis - one direction of a grid, and the part of it that this rank has. Node i is the left end of cell i.
@@ -33,10 +32,11 @@ typedef struct {
 
    dim    - the number of directions
    origin - the index of node 0, counted from the beginning of a local array
+   copies - from the ghosts of a local array to the nodes that they are copies of (grid.c)
 S*/
 typedef struct {
   DM          da;
-  MpmHalo    *halo; /* its indices count from the beginning of a local array */
+  PetscSF     copies;
   PetscInt    dim, ghost, origin;
   MpmGridAxis axis[MPM_MAX_DIM];
 } MpmGrid;
@@ -76,8 +76,9 @@ PetscErrorCode MpmGridZero(const MpmGrid *grid, PetscReal array[]);
 
 /*
    Collective. For n local arrays, MpmGridSum sets each node, with its ghosts on all ranks, to the sum of what it and
-   these ghosts have. It sends one message to a neighbour for all arrays.
+   these ghosts have. MpmGridRefresh sets the ghosts to what their owners have.
 */
+PetscErrorCode MpmGridRefresh(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
 
 /*
@@ -90,8 +91,7 @@ void MpmGridImages(const MpmGrid *grid, const MpmDirection direction[], const Mp
                    PetscReal array[]);
 
 /*
-   Not collective. Copies own[stride n], of the n-th node that this rank owns, to a local array whose ghosts become 0,
-   so that a sum over the copies is the owner's number; or back.
+   Not collective. Copies own[stride n], of the n-th node that this rank owns, to a local array, or back.
 */
 PetscErrorCode MpmGridCopy(const MpmGrid *grid, PetscBool back, PetscInt stride, PetscReal own[], PetscReal array[]);
 

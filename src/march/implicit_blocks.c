@@ -9,63 +9,24 @@
 #include "march/stencils.h"
 #include "scheme/maps.h"
 
-/*
-   Of a few particles at a time, node i's slope along b of component c at g[(i dim + c) dim + b], and its place in a
-   local array.
-*/
+/* sum: of the blocks on the diagonal, in local arrays. */
 typedef struct {
   MpmStencils at;
-  PetscInt    nodes, *node;
-  PetscReal (*g)[MPM_STENCILS], *sum[MPM_MAX_DIM * MPM_MAX_DIM];
+  PetscReal  *sum[MPM_MAX_DIM * MPM_MAX_DIM];
 } Blocks;
 
-/* The i-th node of particles away from walls, where all components have the same slopes. */
-static void SetNode(Blocks *b, PetscInt i)
+/* The slopes of component c's weights at the i-th nodes. */
+static const PetscReal *SlopesOf(const Blocks *b, PetscInt i, PetscInt c)
 {
-  const MpmStencils *at  = &b->at;
-  const PetscInt     dim = at->dim, reach = at->slopes.basis->nodes;
-  PetscReal(*g)[MPM_STENCILS] = b->g + i * dim * dim;
-  PetscInt offset             = 0;
-
-  for (PetscInt d = 0; d < dim; d++)
-    for (PetscInt q = 0; q < MPM_STENCILS; q++) g[d][q] = 1;
-  for (PetscInt a = 0, rest = i; a < dim; a++, rest /= reach) {
-    offset += rest % reach * at->march->grid->axis[a].stride;
-    for (PetscInt d = 0; d < dim; d++) {
-      const PetscReal *weight = at->weight[a][a == d] + rest % reach * MPM_STENCILS;
-
-      for (PetscInt q = 0; q < MPM_STENCILS; q++) g[d][q] *= weight[q];
-    }
-  }
-  for (PetscInt c = dim; c < dim * dim; c++)
-    for (PetscInt q = 0; q < MPM_STENCILS; q++) g[c][q] = g[c - dim][q];
-  for (PetscInt q = 0; q < MPM_STENCILS; q++) b->node[i * MPM_STENCILS + q] = at->first[q] + offset;
-}
-
-static PetscErrorCode SetNodes(Blocks *b)
-{
-  const MpmStencils *at  = &b->at;
-  const PetscInt     dim = at->dim;
-
-  PetscFunctionBegin;
-  if (at->inside) {
-    b->nodes = 1;
-    for (PetscInt a = 0; a < dim; a++) b->nodes *= at->slopes.basis->nodes;
-    for (PetscInt i = 0; i < b->nodes; i++) SetNode(b, i);
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  b->nodes = at->nodes;
-  PetscCall(PetscArraycpy(b->node, at->node, b->nodes * MPM_STENCILS));
-  PetscCall(PetscArraycpy(b->g[0], at->g, b->nodes * dim * dim * MPM_STENCILS));
-  PetscFunctionReturn(PETSC_SUCCESS);
+  return b->at.g + (i * b->at.components + PetscMin(c, b->at.components - 1)) * b->at.dim * MPM_STENCILS;
 }
 
 /* The parts of nodes i and j, component c of i and a of j. */
 static void Part(const MpmImplicitSolve *s, const Blocks *b, PetscInt i, PetscInt j, PetscInt c, PetscInt a,
                  PetscReal part[])
 {
-  const PetscInt dim = b->at.dim, n = dim * dim;
-  PetscReal(*to)[MPM_STENCILS] = b->g + i * n + c * dim, (*from)[MPM_STENCILS] = b->g + j * n + a * dim;
+  const PetscInt   dim = b->at.dim, n = dim * dim;
+  const PetscReal *to = SlopesOf(b, i, c), *from = SlopesOf(b, j, a);
 
   for (PetscInt q = 0; q < b->at.n; q++) part[q] = 0;
   for (PetscInt x = 0; x < dim; x++)
@@ -75,9 +36,10 @@ static void Part(const MpmImplicitSolve *s, const Blocks *b, PetscInt i, PetscIn
           s->snes ? s->tangent + (n * (a * dim + y) + c * dim + x) * s->room + b->at.begin : NULL;
 
       if (tangent)
-        for (PetscInt q = 0; q < b->at.n; q++) part[q] += tangent[q] * to[x][q] * from[y][q];
+        for (PetscInt q = 0; q < b->at.n; q++)
+          part[q] += tangent[q] * to[x * MPM_STENCILS + q] * from[y * MPM_STENCILS + q];
       else if (term != 0)
-        for (PetscInt q = 0; q < b->at.n; q++) part[q] += term * to[x][q] * from[y][q];
+        for (PetscInt q = 0; q < b->at.n; q++) part[q] += term * to[x * MPM_STENCILS + q] * from[y * MPM_STENCILS + q];
     }
 }
 
@@ -86,7 +48,7 @@ static PetscErrorCode AddPair(const MpmImplicitSolve *s, const Blocks *b, PetscI
                               const PetscReal times[])
 {
   const PetscInt  dim = b->at.dim, origin = s->march->grid->origin;
-  const PetscInt *row = b->node + i * MPM_STENCILS, *column = b->node + j * MPM_STENCILS;
+  const PetscInt *row = b->at.node + i * MPM_STENCILS, *column = b->at.node + j * MPM_STENCILS;
   PetscReal       part[MPM_MAX_DIM * MPM_MAX_DIM][MPM_STENCILS];
 
   PetscFunctionBegin;
@@ -116,9 +78,9 @@ static PetscErrorCode AddParticles(const MpmImplicitSolve *s, Blocks *b)
 
     for (PetscInt q = 0; q < at->n; q++)
       times[q] = s->a * (volume ? volume[at->begin + q] : 1) * (stiffness ? stiffness[at->begin + q] : 1);
-    PetscCall(SetNodes(b));
-    for (PetscInt i = 0; i < b->nodes; i++)
-      for (PetscInt j = s->whole ? 0 : i; j < (s->whole ? b->nodes : i + 1); j++) PetscCall(AddPair(s, b, i, j, times));
+    for (PetscInt i = 0; i < at->nodes; i++)
+      for (PetscInt j = s->whole ? 0 : i; j < (s->whole ? at->nodes : i + 1); j++)
+        PetscCall(AddPair(s, b, i, j, times));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -151,15 +113,12 @@ PetscErrorCode MpmImplicitBlocksFill(MpmImplicitSolve *s)
 {
   const PetscInt dim = s->k->dim, size = MpmGridSize(s->march->grid);
   Blocks         b;
-  PetscInt       most;
   PetscReal     *sums = NULL;
 
   PetscFunctionBegin;
   PetscCall(MpmStencilsCreate(s->march, s->step, &b.at));
   b.at.slopes.kind   = s->slope;
   b.at.slopes.parity = s->k->parity + s->k->solved;
-  most               = MpmSlopesMost(&b.at.slopes);
-  PetscCall(PetscMalloc2(most * MPM_STENCILS, &b.node, most * dim * dim, &b.g));
   if (!s->whole) PetscCall(PetscCalloc1(dim * dim * size, &sums));
   for (PetscInt k = 0; k < dim * dim && !s->whole; k++) b.sum[k] = sums + k * size + s->march->grid->origin;
   PetscCall(MatZeroEntries(s->blocks));
@@ -167,7 +126,6 @@ PetscErrorCode MpmImplicitBlocksFill(MpmImplicitSolve *s)
   if (!s->whole) PetscCall(MpmGridSum(s->march->grid, dim * dim, b.sum));
   PetscCall(AddNodes(s, &b));
   PetscCall(PetscFree(sums));
-  PetscCall(PetscFree2(b.node, b.g));
   PetscCall(MpmStencilsDestroy(&b.at));
   PetscCall(MatAssemblyBegin(s->blocks, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(s->blocks, MAT_FINAL_ASSEMBLY));

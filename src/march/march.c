@@ -426,24 +426,23 @@ static PetscErrorCode MigrateInTime(MpmMarch *march)
 }
 
 /* Takes a step, or a part of one. */
-static PetscErrorCode Take(MpmMarch *march, PetscBool sample)
+static PetscErrorCode Take(MpmMarch *march)
 {
   PetscFunctionBegin;
   if (march->watch) MpmFiniteForget(march);
   if (march->relax) PetscCall(MpmRelaxBegin(march));
-  if (sample) PetscCall(PetscArrayzero(march->squares, MPM_MAX_FIELDS));
-  PetscCall(march->engine->step(march, sample));
+  PetscCall(march->engine->step(march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMarchStep(MpmMarch *march, PetscBool sample)
+PetscErrorCode MpmMarchStep(MpmMarch *march)
 {
   PetscFunctionBegin;
   MpmFloatBegin();
   if (march->halve)
-    PetscCall(MpmHalveStep(march, Take, sample));
+    PetscCall(MpmHalveStep(march, Take));
   else
-    PetscCall(Take(march, sample));
+    PetscCall(Take(march));
   if (march->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
   march->step++;
   march->elapsed += march->courant;

@@ -56,11 +56,10 @@ struct MpmMarch_ {
   MpmHalve             *halve;                   /* NULL where steps are not halved */
   PetscInt64            step, migrations;
   PetscInt              exponent;
-  MpmWatch             *watch;                   /* NULL where particles do not move each by itself */
-  MpmRelax             *relax;                   /* NULL where steps are not relaxed */
-  char                  failure[512];            /* what has happened to a particle, or to a solve; empty: nothing */
-  PetscReal            *scratch;                 /* MPM_BLOCK numbers for each scratch register of the particles */
-  PetscReal             squares[MPM_MAX_FIELDS]; /* this rank's sums of squares at the last sampled step */
+  MpmWatch             *watch;        /* NULL where particles do not move each by itself */
+  MpmRelax             *relax;        /* NULL where steps are not relaxed */
+  char                  failure[512]; /* what has happened to a particle, or to a solve; empty: nothing */
+  PetscReal            *scratch;      /* MPM_BLOCK numbers for each scratch register of the particles */
   PetscLogEvent         pass_event, sum_event, migrate_event, watch_event, certificate_event;
   MpmFloatCheck         float_check;
 };
@@ -137,7 +136,7 @@ struct MpmMarchEngine_ {
   PetscErrorCode (*compile)(MpmMarch *march);
   PetscErrorCode (*placed)(MpmMarch *march);
   PetscErrorCode (*start)(MpmMarch *march);
-  PetscErrorCode (*step)(MpmMarch *march, PetscBool sample);
+  PetscErrorCode (*step)(MpmMarch *march);
   PetscErrorCode (*stiffness)(MpmMarch *march, PetscInt64 step, PetscInt i);
   PetscErrorCode (*destroy)(MpmMarch *march);
 };
@@ -173,10 +172,10 @@ S*/
 typedef struct {
   const MpmMarch   *march;
   const MpmRowPlan *plan;
-  PetscBool         sample, within;
+  PetscBool         within;
   PetscInt         *cell[MPM_MAX_DIM], whole[2][MPM_MAX_DIM];
   PetscInt64       *id, step;
-  PetscReal        *xi[MPM_MAX_DIM], part[2][MPM_MAX_DIM], *squares;
+  PetscReal        *xi[MPM_MAX_DIM], part[2][MPM_MAX_DIM];
   PetscReal        *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
   PetscReal        *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS + 1];
 } MpmMarchArrays;

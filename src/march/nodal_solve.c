@@ -180,7 +180,7 @@ static PetscErrorCode CopySolution(const MpmNodalSolve *s, PetscReal y[])
   PetscCall(VecGetArray(s->solution, &a));
   PetscCall(MpmGridCopy(s->grid, PETSC_FALSE, 1, a, y));
   PetscCall(VecRestoreArray(s->solution, &a));
-  PetscCall(MpmGridSum(s->grid, 1, &y));
+  PetscCall(MpmGridRefresh(s->grid, 1, &y));
   MpmGridImages(s->grid, s->layout->grid, s->parity, PETSC_FALSE, y);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -278,8 +278,8 @@ static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
 }
 
 /*
-   Whether a pass has so many operations that the next one begins another: samples need the rest of the room. Sums and
-   scratch fields live for one pass alone.
+   Whether a pass has so many operations that the next one begins another. Sums and scratch fields live for one pass
+   alone, and have the rest of the room.
 */
 static PetscBool IsFull(const MpmTable *table, const MpmPass *pass, const MpmOp *op)
 {
@@ -385,39 +385,6 @@ PetscInt MpmHeadLength(const MpmTable *table, PetscInt nops, const MpmOp ops[])
   return h;
 }
 
-static PetscBool Changes(const MpmPassOp *op)
-{
-  return (op->kind == MPM_PASS_MAP && !op->to_nodes) || op->kind == MPM_PASS_SCALE || op->kind == MPM_PASS_ADD
-             ? PETSC_TRUE
-             : PETSC_FALSE;
-}
-
-/* Inserts the sums for the norm of the state, each where a particle field gets its last value of the step. */
-static PetscErrorCode InsertSamples(const MpmTable *t, MpmSchedule *schedule)
-{
-  PetscFunctionBegin;
-  for (PetscInt field = 0; field < t->nstate; field++) {
-    MpmPass *last  = NULL;
-    PetscInt after = 0;
-
-    for (PetscInt p = 0; p < schedule->npasses; p++) {
-      for (PetscInt o = 0; o < schedule->pass[p].nops; o++) {
-        const MpmPassOp *op = &schedule->pass[p].op[o];
-
-        if (Changes(op) && op->particle == field) {
-          last  = &schedule->pass[p];
-          after = o;
-        }
-      }
-    }
-    if (!last) continue; /* a field that no step changes needs no sum */
-    PetscCall(Append(last, last->op[last->nops - 1]));
-    for (PetscInt o = last->nops - 2; o > after; o--) last->op[o] = last->op[o - 1];
-    last->op[after + 1] = (MpmPassOp){.kind = MPM_PASS_SAMPLE, .particle = field};
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode NewPass(MpmSchedule *schedule, MpmPass **pass)
 {
   PetscFunctionBegin;
@@ -474,7 +441,6 @@ static PetscErrorCode CompileOps(Compiler *c, PetscBool drifts)
 
       if (Reads(&c->schedule->pass[p], node)) c->schedule->spare[node] = PETSC_TRUE;
     }
-  if (!MpmTableIsFinite(t)) PetscCall(InsertSamples(t, c->schedule));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

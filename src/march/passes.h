@@ -22,7 +22,6 @@
    MPM_PASS_FINITE - an operation of finite deformation (march/finite.h), from the particle fields from other on to
                      those from particle on; after ADVANCE particles are at the places of the next step
    MPM_PASS_DRIFT  - from here on particles are at the places of the next step
-   MPM_PASS_SAMPLE - sums the squares of a particle field, when the step is sampled
 E*/
 typedef enum {
   MPM_PASS_MAP,
@@ -30,8 +29,7 @@ typedef enum {
   MPM_PASS_SCALE,
   MPM_PASS_ADD,
   MPM_PASS_FINITE,
-  MPM_PASS_DRIFT,
-  MPM_PASS_SAMPLE
+  MPM_PASS_DRIFT
 } MpmPassOpKind;
 
 /*
@@ -124,8 +122,8 @@ PetscReal MpmScheduleBound(const MpmTable *table, const MpmBasis *basis, PetscRe
    MpmScheduleBytes - bytes per particle and step that a march moves between memory and processor, when its arrays fit
    in no cache.
 
-   Not collective. NaN for a table with SOLVE, whose number of iterations is not known. Ghosts and the sums of a sampled
-   step are left out. alike says that all cells are alike, so that no particle's place is read.
+   Not collective. NaN for a table with SOLVE, whose number of iterations is not known. Ghosts are left
+   out. alike says that all cells are alike, so that no particle's place is read.
 */
 PetscReal MpmScheduleBytes(const MpmTable *table, const MpmSchedule *schedule, PetscReal particles_per_node,
                            PetscBool alike);

@@ -290,7 +290,7 @@ static PetscErrorCode Start(MpmMarch *march)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Step(MpmMarch *march, PetscBool sample)
+static PetscErrorCode Step(MpmMarch *march)
 {
   const MpmTable *table = march->scheme->table;
   Plain           m     = {.march = march, .step = march->particles->step, .parity = table->parity};
@@ -298,8 +298,6 @@ static PetscErrorCode Step(MpmMarch *march, PetscBool sample)
   PetscFunctionBegin;
   PetscCall(Begin(&m));
   PetscCall(RunOps(&m, table, MpmHeadLength(table, table->nops, table->ops), table->nops));
-  for (PetscInt f = 0; f < table->nstate && sample; f++)
-    march->squares[f] = MpmSumSquares(march->particles->count, m.at.particle[f]);
   PetscCall(RunOps(&m, table, 0, MpmHeadLength(table, table->nops, table->ops)));
   PetscCall(End(&m));
   PetscFunctionReturn(PETSC_SUCCESS);

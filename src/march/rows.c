@@ -103,10 +103,9 @@ typedef struct {
 typedef struct {
   const MpmBasis *basis;
   MpmRowPlan     *plan;
-  PetscInt        n, nsamples;
+  PetscInt        n;
   PetscBool       to_nodes;
   Entry           entry[2 * MPM_MAX_PASS_OPS];
-  PetscInt        sample[MPM_MAX_PASS_OPS];
 } Group;
 
 static PetscBool SameLine(const Entry *a, const Entry *b)
@@ -166,7 +165,7 @@ static PetscInt AcrossOf(MpmRowPlan *plan, const Entry *e)
   return plan->nacross++;
 }
 
-/* Makes a step of the maps of a group, and then of its samples. */
+/* Makes a step of the maps of a group. */
 static void Close(Group *g)
 {
   MpmRowPlan    *plan  = g->plan;
@@ -187,9 +186,7 @@ static void Close(Group *g)
   if (g->n)
     AddStep(plan,
             (MpmRowStep){.kind = g->to_nodes ? MPM_ROW_SPREAD : MPM_ROW_GATHER, .begin = begin, .end = plan->nlines});
-  for (PetscInt s = 0; s < g->nsamples; s++)
-    AddStep(plan, (MpmRowStep){.kind = MPM_ROW_SAMPLE, .particle = g->sample[s]});
-  g->n = g->nsamples = 0;
+  g->n = 0;
 }
 
 /* Where the moment is the same at all places, the weights of P2G_AFFINE are those of DIV_MLS times the moment. */
@@ -212,13 +209,11 @@ static void AddMap(Group *g, const MpmPassOp *op)
   Insert(g, entry);
 }
 
-/* Whether a group has changed, or will sample, one of n particle fields. */
+/* Whether a group uses one of n particle fields. */
 static PetscBool Uses(const Group *g, PetscInt first, PetscInt n)
 {
   for (PetscInt i = 0; i < g->n; i++)
     if (g->entry[i].op->particle >= first && g->entry[i].op->particle < first + n) return PETSC_TRUE;
-  for (PetscInt s = 0; s < g->nsamples; s++)
-    if (g->sample[s] >= first && g->sample[s] < first + n) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
@@ -241,8 +236,6 @@ void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, PetscInt dim,
   for (const MpmPassOp *op = pass->op; op < pass->op + pass->nops; op++) {
     if (op->kind == MPM_PASS_MAP || op->kind == MPM_PASS_MASS)
       AddMap(&group, op);
-    else if (op->kind == MPM_PASS_SAMPLE)
-      group.sample[group.nsamples++] = op->particle;
     else if (op->kind == MPM_PASS_DRIFT) {
       Close(&group);
       AddStep(plan, (MpmRowStep){.kind = MPM_ROW_DRIFT});
@@ -562,8 +555,7 @@ static void RunRow(const MpmMarchArrays *a, const MpmRow *row, Work *w)
     if (step->kind == MPM_ROW_DRIFT || (step->kind == MPM_ROW_FINITE && step->finite == MPM_ADVANCE)) {
       Place(a, row, 1, w);
       placed = &w->placed[1];
-    } else if (step->kind == MPM_ROW_SAMPLE && a->sample)
-      a->squares[step->particle] += MpmSumSquares(n, MpmRowsField(a, step->particle, begin));
+    }
   }
 }
 

@@ -38,8 +38,7 @@ typedef enum {
   MPM_ROW_FINITE,
   MPM_ROW_GATHER,
   MPM_ROW_SPREAD,
-  MPM_ROW_DRIFT,
-  MPM_ROW_SAMPLE
+  MPM_ROW_DRIFT
 } MpmRowStepKind;
 
 /*

@@ -145,22 +145,41 @@ static PetscBool IsInside(const MpmStencils *s, PetscInt p)
   return PETSC_TRUE;
 }
 
-/* The weights of particles inside, and their first nodes. */
+/* Of particles inside, one direction after another: nodes d further along one have the products so far times its weights. */
 static void FillInside(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
 {
   const MpmBasis *basis = s->slopes.basis;
+  PetscReal       weight[2][MPM_MOST_NODES * MPM_STENCILS];
   MpmBlock        block;
 
-  for (PetscInt q = 0; q < MPM_STENCILS; q++) s->first[q] = 0;
-  for (PetscInt a = 0; a < s->dim; a++) {
+  s->nodes = s->components = 1;
+  for (PetscInt q = 0; q < MPM_STENCILS; q++) {
+    s->node[q] = 0;
+    s->S[q]    = 1;
+    for (PetscInt b = 0; b < s->dim; b++) s->g[b * MPM_STENCILS + q] = 1;
+  }
+  for (PetscInt a = 0; a < s->dim; a++, s->nodes *= basis->nodes) {
     for (PetscInt q = s->n; q < MPM_STENCILS; q++) {
       in[a][q] = in[a][0];
       at[a][q] = at[a][0];
     }
     MpmBlockPlace(basis, MPM_STENCILS, in[a], at[a], s->march->layout->half_width[a], MpmNoWalls, &block);
-    basis->weights[MPM_P2G](&block, MPM_STENCILS, s->weight[a][0]);
-    basis->weights[s->slopes.kind](&block, MPM_STENCILS, s->weight[a][1]);
-    for (PetscInt q = 0; q < MPM_STENCILS; q++) s->first[q] += block.first[q] * s->march->grid->axis[a].stride;
+    basis->weights[MPM_P2G](&block, MPM_STENCILS, weight[0]);
+    basis->weights[s->slopes.kind](&block, MPM_STENCILS, weight[1]);
+    for (PetscInt d = basis->nodes - 1; d >= 0; d--) /* the first nodes are read last */
+      for (PetscInt i = 0; i < s->nodes; i++) {
+        const PetscInt   to = (d * s->nodes + i) * MPM_STENCILS, from = i * MPM_STENCILS;
+        const PetscReal *phi = weight[0] + d * MPM_STENCILS, *slope = weight[1] + d * MPM_STENCILS;
+
+        for (PetscInt q = 0; q < MPM_STENCILS; q++)
+          s->node[to + q] = s->node[from + q] + (block.first[q] + d) * s->march->grid->axis[a].stride;
+        for (PetscInt q = 0; q < MPM_STENCILS; q++) s->S[to + q] = s->S[from + q] * phi[q];
+        for (PetscInt b = 0; b < s->dim; b++) {
+          const PetscReal *times = b == a ? slope : phi, *g = s->g + s->dim * from + b * MPM_STENCILS;
+
+          for (PetscInt q = 0; q < MPM_STENCILS; q++) s->g[s->dim * to + b * MPM_STENCILS + q] = g[q] * times[q];
+        }
+      }
   }
 }
 
@@ -171,7 +190,8 @@ static void FillAtWall(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at
   PetscInt       node[MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH];
   PetscReal     *shape = s->memory, *slope = s->memory + most;
 
-  s->nodes = most;
+  s->nodes      = most;
+  s->components = s->dim;
   for (PetscInt q = 0; q < MPM_STENCILS; q++) {
     PetscInt  cell[MPM_MAX_DIM], n = 0;
     PetscReal xi[MPM_MAX_DIM];

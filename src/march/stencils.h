@@ -44,24 +44,24 @@ PetscBool MpmSlopesFix(const MpmSlopes *slopes, PetscInt component, const PetscI
 #define MPM_STENCILS 16
 
 /*S
-   MpmStencils - up to MPM_STENCILS particles that follow one another: begin to begin + n - 1 of this rank.
+   MpmStencils - up to MPM_STENCILS particles that follow one another: begin to begin + n - 1 of this rank. Particle q has
+   weight S[i MPM_STENCILS + q] at its i-th node, node[i MPM_STENCILS + q] of a local array, and slope
+   g[((i components + c) dim + b) MPM_STENCILS + q] of component c there. Where n is less, the others are as particle 0 or
+   have no weights.
 
-   inside - they are away from walls, where all components have the same slopes and no node is there twice. Their
-            weights are products: weight[a][0][d MPM_STENCILS + q] is phi of particle q along direction a, and
-            weight[a][1] its slope, at nodes first[q] + d stride of a local array. Where n is less, the others are as
-            particle 0.
-   nodes  - at walls particle q has weight S[i MPM_STENCILS + q] at its i-th node, node[i MPM_STENCILS + q] of a local
-            array, and slope g[((i dim + c) dim + b) MPM_STENCILS + q] of component c there, or all are 0
-   all, memory - all particles are inside; of particles near walls
+   nodes  - the most nodes of a particle; where one has fewer, the rest has no weights
+   inside - the particles are away from walls, where no node is there twice
+   components - 1 there, where all components have the same slopes; else dim
+   all, memory - no particle is near a wall; of particles near walls
    at     - the particles and nodes, which nobody else may get meanwhile
 S*/
 typedef struct {
   MpmMarch      *march;
   MpmMarchArrays at;
   MpmSlopes      slopes;
-  PetscInt       dim, begin, n, nodes, first[MPM_STENCILS], *node;
+  PetscInt       dim, begin, n, nodes, components, *node;
   PetscBool      inside, all;
-  PetscReal      weight[MPM_MAX_DIM][2][MPM_MOST_NODES * MPM_STENCILS], *S, *g, *memory;
+  PetscReal     *S, *g, *memory;
 } MpmStencils;
 
 /*

@@ -88,98 +88,15 @@ static Lame LameOf(const Pass *s, PetscInt p)
   return (Lame){lambda, (1 - lambda) / 2};
 }
 
-/* The norms of the slopes of node i for a component, of particles at walls. */
+/* The norms of the slopes at the i-th nodes for a component. */
 static void Norms(const Pass *s, PetscInt i, PetscInt c, PetscReal norm[])
 {
-  const PetscReal *g = s->at.g + (i * s->dim + c) * s->dim * MPM_STENCILS;
+  const PetscReal *g = s->at.g + (i * s->at.components + c) * s->dim * MPM_STENCILS;
 
   for (PetscInt q = 0; q < MPM_STENCILS; q++) {
     norm[q] = 0;
     for (PetscInt b = 0; b < s->dim; b++) norm[q] += PetscSqr(g[b * MPM_STENCILS + q]);
     norm[q] = sqrt(norm[q]);
-  }
-}
-
-/*
-   What is done at each node of particles inside: the norm of the slope is summed there, or slopes are with what they
-   count.
-*/
-typedef enum { SUMS, SPLIT, ALONE } Visit;
-
-/* Of two weights along a direction: phi^2, slope^2 and phi slope; 1, 0 and 0 along one that is not there. */
-typedef PetscReal Squares[3][MPM_MOST_NODES * MPM_STENCILS];
-
-/* What a direction gives to products over the directions; 1, 0 and 0 for one that is not there. */
-INLINE void SquaresAlong(const PetscInt dim, const MpmStencils *c, PetscInt a, Squares along)
-{
-  for (PetscInt i = 0; i < (a < dim ? c->slopes.basis->nodes : 1) * MPM_STENCILS; i++) {
-    const PetscReal phi = a < dim ? c->weight[a][0][i] : 1, slope = a < dim ? c->weight[a][1][i] : 0;
-
-    along[0][i] = phi * phi;
-    along[1][i] = slope * slope;
-    along[2][i] = phi * slope;
-  }
-}
-
-/*
-   Takes particles inside through their nodes. With slopes g of a node, products over the directions, SUMS adds share
-   abs(g) to the sums there. SPLIT and ALONE find G = sum g g^T t, its components 00 01 02 11 12 22, with t the sum over
-   abs(g), or 1 / S: once along x, then with what the products along y and z are. endless: a particle has a slope, and
-   no weight.
-*/
-INLINE void VisitInside(const PetscInt dim, const Visit visit, Pass *s, const PetscReal share[],
-                        PetscReal G[][MPM_STENCILS], PetscBool endless[])
-{
-  const MpmStencils *c  = &s->at;
-  const PetscInt     nx = c->slopes.basis->nodes, ny = dim > 1 ? nx : 1, nz = dim > 2 ? nx : 1;
-  Squares            along[MPM_MAX_DIM];
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) SquaresAlong(dim, c, a, along[a]);
-  for (PetscInt r = 0; r < ny * nz; r++) {
-    const PetscInt y = r % ny, z = r / ny,
-                   row           = y * s->march->grid->axis[1].stride + z * s->march->grid->axis[2].stride;
-    PetscReal T[3][MPM_STENCILS] = {{0}}, Y[3][MPM_STENCILS], Z[3][MPM_STENCILS];
-
-    for (PetscInt k = 0; k < 3; k++)
-      for (PetscInt q = 0; q < MPM_STENCILS; q++) {
-        Y[k][q] = along[1][k][y * MPM_STENCILS + q];
-        Z[k][q] = along[2][k][z * MPM_STENCILS + q];
-      }
-    for (PetscInt x = 0; x < nx; x++) {
-      const PetscReal *X0 = along[0][0] + x * MPM_STENCILS, *X1 = along[0][1] + x * MPM_STENCILS,
-                      *X2 = along[0][2] + x * MPM_STENCILS;
-      PetscReal norm[MPM_STENCILS], times[MPM_STENCILS];
-
-      for (PetscInt q = 0; q < MPM_STENCILS; q++)
-        norm[q] = sqrt(X1[q] * Y[0][q] * Z[0][q] + X0[q] * (Y[1][q] * Z[0][q] + Y[0][q] * Z[1][q]));
-      if (visit == SUMS) {
-        for (PetscInt k = 0; k < s->components; k++)
-          for (PetscInt q = 0; q < c->n; q++) s->sum[k][c->first[q] + row + x] += share[q] * norm[q];
-        continue;
-      }
-      for (PetscInt q = 0; q < MPM_STENCILS && visit == SPLIT; q++) times[q] = s->sum[0][c->first[q] + row + x];
-      for (PetscInt q = 0; q < MPM_STENCILS && visit == SPLIT; q++) times[q] = norm[q] > 0 ? times[q] / norm[q] : 0;
-      for (PetscInt q = 0; q < MPM_STENCILS && visit == ALONE; q++) {
-        const PetscReal square = X0[q] * Y[0][q] * Z[0][q];
-
-        times[q] = square > 0 ? 1 / sqrt(square) : 0;
-        if (norm[q] > 0 && !(square > 0)) endless[q] = PETSC_TRUE;
-        if (norm[q] > 0 && s->inverse[c->first[q] + row + x] == 0) s->loses = PETSC_TRUE;
-      }
-      for (PetscInt q = 0; q < MPM_STENCILS; q++) {
-        T[0][q] += times[q] * X0[q];
-        T[1][q] += times[q] * X1[q];
-        T[2][q] += times[q] * X2[q];
-      }
-    }
-    for (PetscInt q = 0; q < MPM_STENCILS && visit != SUMS; q++) {
-      G[0][q] += T[1][q] * Y[0][q] * Z[0][q];
-      G[1][q] += T[2][q] * Y[2][q] * Z[0][q];
-      G[2][q] += T[2][q] * Y[0][q] * Z[2][q];
-      G[3][q] += T[0][q] * Y[1][q] * Z[0][q];
-      G[4][q] += T[0][q] * Y[2][q] * Z[2][q];
-      G[5][q] += T[0][q] * Y[0][q] * Z[1][q];
-    }
   }
 }
 
@@ -198,15 +115,9 @@ static PetscErrorCode Sum(Pass *s)
   for (PetscInt k = 0; k < s->components; k++) PetscCall(MpmGridZero(grid, s->sum[k]));
   while (MpmStencilsNext(&s->at)) {
     for (PetscInt q = 0; q < c->n; q++) share[q] = s->weight[c->begin + q] * sqrt(Of(s->volume, c->begin + q));
-    if (c->inside) {
-      s->dim == 1   ? VisitInside(1, SUMS, s, share, NULL, NULL)
-      : s->dim == 2 ? VisitInside(2, SUMS, s, share, NULL, NULL)
-                    : VisitInside(3, SUMS, s, share, NULL, NULL);
-      continue;
-    }
     for (PetscInt i = 0; i < c->nodes; i++)
       for (PetscInt k = 0; k < s->components; k++) {
-        Norms(s, i, k, norm);
+        if (k < c->components) Norms(s, i, k, norm);
         for (PetscInt q = 0; q < c->n; q++) s->sum[k][c->node[i * MPM_STENCILS + q]] += share[q] * norm[q];
       }
   }
@@ -292,28 +203,57 @@ static PetscReal Isotropic(PetscInt dim, Lame m, PetscReal G[MPM_MAX_STRESS][MPM
 }
 
 /*
-   lambda of the particles inside. The matrix of Isotropic has the trace of G, as lambda + 2 mu is 1, and squares of its
+   What multiplies g g^T at the i-th nodes, for a component: 1 / S of a lone particle, or what the sum there is over
+   abs(g). endless: a particle has a slope, and no weight.
+*/
+static void Times(Pass *s, PetscBool lone, PetscInt i, PetscInt k, PetscReal times[], PetscBool endless[])
+{
+  const PetscReal *S = s->at.S + i * MPM_STENCILS, *sum = s->sum[s->components == 1 ? 0 : k];
+  const PetscInt  *node = s->at.node + i * MPM_STENCILS;
+  PetscReal        norm[MPM_STENCILS];
+
+  Norms(s, i, k, norm);
+  for (PetscInt q = 0; q < MPM_STENCILS && !lone; q++) times[q] = norm[q] > 0 ? sum[node[q]] / norm[q] : 0;
+  for (PetscInt q = 0; q < MPM_STENCILS && lone; q++) {
+    times[q] = S[q] > 0 ? 1 / S[q] : 0;
+    if (norm[q] > 0 && !(S[q] > 0)) endless[q] = PETSC_TRUE;
+  }
+  for (PetscInt q = 0; q < s->at.n && (lone || !s->at.inside); q++)
+    if (norm[q] > 0 && s->inverse[node[q]] == 0) s->loses = PETSC_TRUE;
+}
+
+/*
+   lambda of particles inside. The matrix of Isotropic has the trace of G, as lambda + 2 mu is 1, and squares of its
    eigenvalues whose sum is 4 mu (mu + lambda) tr G^2 + lambda^2 (tr G)^2. These bound its largest one (Wolkowicz and
    Styan 1980). A bound below least suffices.
 */
-INLINE void ValuesInside(const PetscInt dim, const Visit visit, Pass *s, const PetscReal factor[], PetscReal least)
+static void ValuesInside(Pass *s, PetscBool lone, const PetscReal factor[], PetscReal least)
 {
-  static const PetscInt part[MPM_MAX_DIM][MPM_MAX_DIM]  = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  const MpmStencils    *c                               = &s->at;
-  PetscReal             G[MPM_MAX_STRESS][MPM_STENCILS] = {{0}};
-  PetscBool             endless[MPM_STENCILS]           = {PETSC_FALSE};
+  const MpmStencils *c                                         = &s->at;
+  const PetscInt     dim                                       = s->dim;
+  PetscReal          G[MPM_MAX_DIM][MPM_MAX_DIM][MPM_STENCILS] = {{{0}}}, times[MPM_STENCILS];
+  PetscBool          endless[MPM_STENCILS]                     = {PETSC_FALSE};
 
-  VisitInside(dim, visit, s, NULL, G, endless);
-  for (PetscInt q = 0; q < c->n; q++) {
-    const PetscReal trace = G[0][q] + G[3][q] + G[5][q];
-    const Lame      m     = LameOf(s, c->begin + q);
-    PetscReal       A[MPM_MAX_STRESS][MPM_MAX_STRESS], square = 0, *value = s->value + c->begin + q;
+  for (PetscInt i = 0; i < c->nodes; i++) {
+    const PetscReal *g = c->g + i * dim * MPM_STENCILS;
 
+    Times(s, lone, i, 0, times, endless);
     for (PetscInt a = 0; a < dim; a++)
+      for (PetscInt b = a; b < dim; b++)
+        for (PetscInt q = 0; q < MPM_STENCILS; q++)
+          G[a][b][q] += times[q] * g[a * MPM_STENCILS + q] * g[b * MPM_STENCILS + q];
+  }
+  for (PetscInt q = 0; q < c->n; q++) {
+    const Lame m = LameOf(s, c->begin + q);
+    PetscReal  A[MPM_MAX_STRESS][MPM_MAX_STRESS], square = 0, trace = 0, *value = s->value + c->begin + q;
+
+    for (PetscInt a = 0; a < dim; a++) {
+      trace += G[a][a][q];
       for (PetscInt b = 0; b < dim; b++) {
-        A[a][b] = G[part[a][b]][q];
+        A[a][b] = G[PetscMin(a, b)][PetscMax(a, b)][q];
         square += A[a][b] * A[a][b];
       }
+    }
     square = 4 * m.mu * (m.mu + m.lambda) * square + m.lambda * m.lambda * trace * trace;
     square = fmax(square - trace * trace / dim, 0) * (dim - 1) / dim;
     *value = factor[q] * (trace / dim + sqrt(square));
@@ -326,25 +266,18 @@ INLINE void ValuesInside(const PetscInt dim, const Visit visit, Pass *s, const P
 static void ValuesAtWall(Pass *s, PetscBool lone, const PetscReal factor[])
 {
   const MpmStencils *c = &s->at;
-  PetscReal          norm[MPM_STENCILS], A[MPM_STENCILS][MPM_MAX_STRESS][MPM_MAX_STRESS] = {{{0}}};
+  PetscReal          times[MPM_STENCILS], A[MPM_STENCILS][MPM_MAX_STRESS][MPM_MAX_STRESS] = {{{0}}};
   PetscBool          endless[MPM_STENCILS] = {PETSC_FALSE};
 
   for (PetscInt i = 0; i < c->nodes; i++)
     for (PetscInt k = 0; k < s->dim; k++) {
-      const PetscReal *sum = s->sum[s->components == 1 ? 0 : k];
-
-      Norms(s, i, k, norm);
+      Times(s, lone, i, k, times, endless);
       for (PetscInt q = 0; q < c->n; q++) {
-        const PetscInt  node = c->node[i * MPM_STENCILS + q];
-        const PetscReal S    = c->S[i * MPM_STENCILS + q];
-        PetscReal       g[MPM_MAX_DIM];
+        PetscReal g[MPM_MAX_DIM];
 
-        if (!(norm[q] > 0)) continue;
-        if (s->inverse[node] == 0) s->loses = PETSC_TRUE;
-        if (lone && !(S > 0)) endless[q] = PETSC_TRUE;
-        if (lone ? endless[q] : sum[node] == 0) continue;
+        if (times[q] == 0) continue;
         for (PetscInt b = 0; b < s->dim; b++) g[b] = c->g[((i * s->dim + k) * s->dim + b) * MPM_STENCILS + q];
-        Add(s->dim, LameOf(s, c->begin + q), k, g, lone ? 1 / S : sum[node] / norm[q], A[q]);
+        Add(s->dim, LameOf(s, c->begin + q), k, g, times[q], A[q]);
       }
     }
   for (PetscInt q = 0; q < c->n; q++)
@@ -365,16 +298,10 @@ static void Values(Pass *s, PetscBool lone, PetscReal least)
 
     factor[q] = s->stiffness[p] * (lone ? Of(s->volume, p) / Of(s->mass, p) : sqrt(Of(s->volume, p)) / s->weight[p]);
   }
-  if (!c->inside)
-    ValuesAtWall(s, lone, factor);
-  else if (lone)
-    s->dim == 1   ? ValuesInside(1, ALONE, s, factor, least)
-    : s->dim == 2 ? ValuesInside(2, ALONE, s, factor, least)
-                  : ValuesInside(3, ALONE, s, factor, least);
+  if (c->components == 1)
+    ValuesInside(s, lone, factor, least);
   else
-    s->dim == 1   ? ValuesInside(1, SPLIT, s, factor, least)
-    : s->dim == 2 ? ValuesInside(2, SPLIT, s, factor, least)
-                  : ValuesInside(3, SPLIT, s, factor, least);
+    ValuesAtWall(s, lone, factor);
 }
 
 /*
@@ -549,7 +476,7 @@ static PetscErrorCode Multiply(Pass *s, Products *k, const PetscReal x[], PetscR
   PetscFunctionBegin;
   for (PetscInt i = 0; i < s->own; i++) k->scaled[i] = k->scale[i] * x[i];
   for (PetscInt c = 0; c < s->dim; c++) PetscCall(MpmGridCopy(grid, PETSC_FALSE, 1, k->scaled + c * own, s->sum[c]));
-  PetscCall(MpmGridSum(grid, s->dim, s->sum));
+  PetscCall(MpmGridRefresh(grid, s->dim, s->sum));
   for (PetscInt c = 0; c < s->dim; c++) {
     MpmGridImages(grid, direction, s->at.slopes.parity[c], PETSC_FALSE, s->sum[c]);
     for (PetscInt i = 0; i < size; i++) k->node[LANES * i + c] = s->sum[c][i - grid->origin];

@@ -31,7 +31,7 @@ static PetscReal Bytes(uint64_t mask)
 static void TouchPass(const MpmPass *pass, Touched *particle, Touched *node, uint64_t *weights)
 {
   for (const MpmPassOp *op = pass->op; op < pass->op + pass->nops; op++) {
-    if (op->kind == MPM_PASS_DRIFT || op->kind == MPM_PASS_SAMPLE) continue;
+    if (op->kind == MPM_PASS_DRIFT) continue;
     particle->reads |= Bit(op->particle);
     if (!op->to_nodes) particle->writes |= Bit(op->particle);
     if (op->kind == MPM_PASS_ADD) particle->reads |= Bit(op->other);

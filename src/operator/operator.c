@@ -97,13 +97,30 @@ static PetscErrorCode CheckMaps(MPI_Comm comm, const MpmOperator *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The matrix of some steps. exponent: NULL, or that of the power of two that is taken out. */
+static PetscErrorCode Steps(MPI_Comm comm, const MpmOperator *op, PetscInt first, PetscInt steps, PetscInt *exponent,
+                            Mat *A)
+{
+  MpmMatrices registers;
+  MpmSlab     slab;
+
+  PetscFunctionBegin;
+  PetscCall(MpmSlabOf(comm, op->layout, op->scheme, &op->step, &slab));
+  PetscCall(MpmMatricesOfSlab(&slab, 0, &registers));
+  for (PetscInt step = first; step < first + steps; step++) {
+    PetscCall(MpmMatricesStep(&registers, &slab, step));
+    if (exponent) PetscCall(Rescale(&registers, exponent));
+  }
+  PetscCall(MpmMatricesGather(&registers, PETSC_FALSE, A));
+  PetscCall(MpmMatricesDestroy(&registers));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* The operator as a matrix. */
 static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
 {
   static PetscClassId  id; /* registered once, because some tasks assemble thousands */
   static PetscLogEvent event;
-  MpmMatrices          registers;
-  MpmSlab              slab;
 
   PetscFunctionBegin;
   PetscCall(CheckMatrix(comm, op));
@@ -112,15 +129,7 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
     PetscCall(PetscLogEventRegister("MpmAssemble", id, &event));
   }
   PetscCall(PetscLogEventBegin(event, 0, 0, 0, 0));
-  PetscCall(MpmSlabOf(comm, op->layout, op->scheme, &op->step, &slab));
-  PetscCall(MpmMatricesOfSlab(&slab, 0, &registers));
-  for (PetscInt step = 0; step < op->period; step++) {
-    PetscCall(MpmMatricesStep(&registers, &slab, step));
-    PetscCall(Rescale(&registers, &op->exponent));
-  }
-  PetscCall(MpmMatricesGather(&registers, PETSC_FALSE, &op->A));
-  PetscCall(MpmMapsEven(&slab, 0, &op->p2g));
-  PetscCall(MpmMatricesDestroy(&registers));
+  PetscCall(Steps(comm, op, 0, op->period, &op->exponent, &op->A));
   PetscCall(PetscObjectSetName((PetscObject)op->A, "A"));
   PetscCall(PetscLogEventEnd(event, 0, 0, 0, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -128,8 +137,7 @@ static PetscErrorCode Assemble(MPI_Comm comm, MpmOperator *op)
 
 PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, PetscInt *exponent)
 {
-  MpmMatrices registers;
-  MpmSlab     slab;
+  MPI_Comm comm = PetscObjectComm((PetscObject)op->A);
 
   PetscFunctionBegin;
   *exponent = 0;
@@ -139,15 +147,8 @@ PetscErrorCode MpmOperatorStep(const MpmOperator *op, PetscInt step, Mat *A, Pet
     *exponent = op->exponent;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (!op->assembled) {
-    PetscCall(MpmStepsMatrix(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, step, 1, A));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(MpmSlabOf(PetscObjectComm((PetscObject)op->A), op->layout, op->scheme, &op->step, &slab));
-  PetscCall(MpmMatricesOfSlab(&slab, 0, &registers));
-  PetscCall(MpmMatricesStep(&registers, &slab, step));
-  PetscCall(MpmMatricesGather(&registers, PETSC_FALSE, A));
-  PetscCall(MpmMatricesDestroy(&registers));
+  PetscCall(op->assembled ? Steps(comm, op, step, 1, NULL, A)
+                          : MpmStepsMatrix(comm, op->layout, op->scheme, &op->step, step, 1, A));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -199,16 +200,15 @@ static PetscErrorCode Roots(const MpmOperator *op, PetscBool powers, Mat A, Vec 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Computes D A D^-1 and the diagonal of D. */
-static PetscErrorCode Scale(const MpmOperator *op, PetscBool powers, Mat A, Vec *unit, Mat *scaled)
+/* Computes D A D^-1, unit the diagonal of D. */
+static PetscErrorCode Scale(const MpmOperator *op, Mat A, Vec unit, Mat *scaled)
 {
   Vec inverse;
 
   PetscFunctionBegin;
-  PetscCall(Roots(op, powers, A, unit));
-  PetscCall(MpmReciprocals(*unit, &inverse));
+  PetscCall(MpmReciprocals(unit, &inverse));
   PetscCall(op->assembled ? MatDuplicate(A, MAT_COPY_VALUES, scaled) : MpmMatrixCopy(A, scaled));
-  PetscCall(MatDiagonalScale(*scaled, *unit, inverse));
+  PetscCall(MatDiagonalScale(*scaled, unit, inverse));
   PetscCall(VecDestroy(&inverse));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -220,21 +220,10 @@ static PetscErrorCode Balance(MpmOperator *op)
   if (IsAlike(op)) {
     PetscCall(PetscObjectReference((PetscObject)op->A));
     op->balanced = op->A;
-  } else
-    PetscCall(Scale(op, PETSC_TRUE, op->A, &op->unit, &op->balanced));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The operator as the maps of its steps. */
-static PetscErrorCode CreateShell(MPI_Comm comm, MpmOperator *op)
-{
-  MpmSlab slab;
-
-  PetscFunctionBegin;
-  PetscCall(CheckMaps(comm, op));
-  PetscCall(MpmStepsMatrix(comm, op->layout, op->scheme, &op->step, 0, op->period, &op->A));
-  PetscCall(MpmSlabOf(comm, op->layout, op->scheme, &op->step, &slab));
-  PetscCall(MpmMapsEven(&slab, 0, &op->p2g));
+  } else {
+    PetscCall(Roots(op, PETSC_TRUE, op->A, &op->unit));
+    PetscCall(Scale(op, op->A, op->unit, &op->balanced));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -255,6 +244,7 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
 {
   const PetscReal begin = MPI_Wtime();
   MpmOperator    *o;
+  MpmSlab         slab;
   char            size[MPM_SIZE_TEXT];
 
   PetscFunctionBegin;
@@ -273,7 +263,14 @@ PetscErrorCode MpmOperatorCreate(MPI_Comm comm, const MpmLayout *layout, const M
   o->assembled = layout->dim == 1 || o->order <= MPM_MATRIX_ORDER ? PETSC_TRUE : PETSC_FALSE;
   PetscCall(MpmStepPeriod(step, &o->period));
   o->parts = o->period;
-  PetscCall(o->assembled ? Assemble(comm, o) : CreateShell(comm, o));
+  if (o->assembled)
+    PetscCall(Assemble(comm, o));
+  else {
+    PetscCall(CheckMaps(comm, o));
+    PetscCall(MpmStepsMatrix(comm, layout, scheme, step, 0, o->period, &o->A));
+  }
+  PetscCall(MpmSlabOf(comm, layout, scheme, step, &slab));
+  PetscCall(MpmMapsEven(&slab, 0, &o->p2g));
   PetscCall(Balance(o));
   PetscCall(Count(o));
   o->assemble_s = MPI_Wtime() - begin;
@@ -321,7 +318,7 @@ PetscErrorCode MpmOperatorMismatch(const MpmOperator *op, PetscReal *mismatch)
     PetscReal norm, image, difference;
 
     PetscCall(StateOf(march, start, before));
-    for (PetscInt step = 0; step < op->period; step++) PetscCall(MpmMarchStep(march, PETSC_FALSE));
+    for (PetscInt step = 0; step < op->period; step++) PetscCall(MpmMarchStep(march));
     PetscCall(StateOf(march, start + op->exponent, after));
     PetscCall(MatMult(op->A, before, predicted));
     PetscCall(VecNorm(predicted, NORM_2, &image));
@@ -349,7 +346,8 @@ PetscErrorCode MpmOperatorWeigh(const MpmOperator *op, Mat A, Mat *weighed)
     PetscCall(PetscObjectReference((PetscObject)A));
     *weighed = A;
   } else {
-    PetscCall(Scale(op, PETSC_FALSE, A, &unit, weighed));
+    PetscCall(Roots(op, PETSC_FALSE, A, &unit));
+    PetscCall(Scale(op, A, unit, weighed));
     PetscCall(VecDestroy(&unit));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -399,115 +397,89 @@ PetscErrorCode MpmOperatorToState(const MpmOperator *op, Vec re, Vec im)
    same size.
 */
 
-/* The sums of abs of a matrix' rows without the diagonal, each column times its scale. */
-static PetscErrorCode RowSums(Mat A, Vec scale, Vec sums)
+/* The abs of the numbers of a matrix, 0 on the diagonal. */
+static PetscErrorCode Sizes(Mat A, Mat *sizes)
 {
-  Vec          all;
-  VecScatter   scatter;
-  PetscInt     begin, end;
-  PetscScalar *sum;
+  PetscInt begin, end;
 
   PetscFunctionBegin;
+  PetscCall(MatDuplicate(A, MAT_SHARE_NONZERO_PATTERN, sizes));
   PetscCall(MatGetOwnershipRange(A, &begin, &end));
-  PetscCall(VecScatterCreateToAll(scale, &scatter, &all));
-  PetscCall(VecScatterBegin(scatter, scale, all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecScatterEnd(scatter, scale, all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecGetArray(sums, &sum));
   for (PetscInt row = begin; row < end; row++) {
     PetscInt           n;
     const PetscInt    *columns;
-    const PetscScalar *values, *of;
+    const PetscScalar *values;
 
-    sum[row - begin] = 0;
-    PetscCall(VecGetArrayRead(all, &of));
     PetscCall(MatGetRow(A, row, &n, &columns, &values));
     for (PetscInt i = 0; i < n; i++)
-      if (columns[i] != row) sum[row - begin] += fabs(values[i]) * of[columns[i]];
+      PetscCall(MatSetValue(*sizes, row, columns[i], columns[i] == row ? 0 : fabs(values[i]), INSERT_VALUES));
     PetscCall(MatRestoreRow(A, row, &n, &columns, &values));
-    PetscCall(VecRestoreArrayRead(all, &of));
   }
-  PetscCall(VecRestoreArray(sums, &sum));
-  PetscCall(VecScatterDestroy(&scatter));
-  PetscCall(VecDestroy(&all));
+  PetscCall(MatAssemblyBegin(*sizes, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(*sizes, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-   One sweep. With D = diag(d), row i of D A D^-1 has the sum r_i = d_i sum_j abs(a_ij) / d_j, and its column the sum
-   c_i = sum_j d_j abs(a_ji) / d_i. Each d_i is multiplied by (c_i / r_i)^(1/4): all are moved at once, and so half as
-   far as one alone would be. change: the largest, of the logarithm to base 2.
+   Finds the diagonal of D: powers of two, so that scaling rounds nothing. With D = diag(d), row i of D A D^-1 has the
+   sum r_i = d_i sum_j abs(a_ij) / d_j, and its column the sum c_i = sum_j d_j abs(a_ji) / d_i. In a sweep each d_i is
+   multiplied by (c_i / r_i)^(1/4): all are moved at once, and so half as far as one alone would be. change: the largest,
+   of the logarithm to base 2.
 */
-static PetscErrorCode Sweep(Mat A, Mat transposed, Vec d, Vec inverse, Vec rows, Vec columns, PetscReal *change)
-{
-  const PetscScalar *r, *c;
-  PetscScalar       *scale;
-  PetscInt           n;
-
-  PetscFunctionBegin;
-  PetscCall(VecCopy(d, inverse));
-  PetscCall(VecReciprocal(inverse));
-  PetscCall(RowSums(A, inverse, rows));
-  PetscCall(RowSums(transposed, d, columns));
-  PetscCall(VecGetLocalSize(d, &n));
-  PetscCall(VecGetArrayRead(rows, &r));
-  PetscCall(VecGetArrayRead(columns, &c));
-  PetscCall(VecGetArray(d, &scale));
-  *change = 0;
-  for (PetscInt i = 0; i < n; i++) {
-    PetscReal by = c[i] / scale[i] / (r[i] * scale[i]);
-
-    if (!isnormal(by)) continue; /* nothing in the row or in the column, so that no scale balances them */
-    by = sqrt(sqrt(by));
-    scale[i] *= by;
-    *change = PetscMax(*change, fabs(log2(by)));
-  }
-  PetscCall(VecRestoreArray(d, &scale));
-  PetscCall(VecRestoreArrayRead(rows, &r));
-  PetscCall(VecRestoreArrayRead(columns, &c));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, change, 1, MPIU_REAL, MPI_MAX, PetscObjectComm((PetscObject)A)));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Finds the diagonal of D: powers of two, so that scaling rounds nothing. */
 static PetscErrorCode FindScale(Mat A, Vec d)
 {
-  PetscReal    change = INFINITY;
-  PetscScalar *scale;
-  PetscInt     n;
-  Mat          transposed;
-  Vec          inverse, rows, columns;
+  const PetscScalar *r, *c;
+  PetscReal          change = INFINITY;
+  PetscScalar       *scale;
+  PetscInt           n;
+  Mat                sizes;
+  Vec                inverse, rows, columns;
 
   PetscFunctionBegin;
-  PetscCall(MatTranspose(A, MAT_INITIAL_MATRIX, &transposed));
-  PetscCall(VecDuplicate(d, &inverse));
+  PetscCall(Sizes(A, &sizes));
   PetscCall(VecDuplicate(d, &rows));
   PetscCall(VecDuplicate(d, &columns));
-  PetscCall(VecSet(d, 1));
-  for (PetscInt sweep = 0; sweep < SWEEPS && change > CLOSE; sweep++)
-    PetscCall(Sweep(A, transposed, d, inverse, rows, columns, &change));
   PetscCall(VecGetLocalSize(d, &n));
+  PetscCall(VecSet(d, 1));
+  for (PetscInt sweep = 0; sweep < SWEEPS && change > CLOSE; sweep++) {
+    PetscCall(MpmReciprocals(d, &inverse));
+    PetscCall(MatMult(sizes, inverse, rows));
+    PetscCall(MatMultTranspose(sizes, d, columns));
+    PetscCall(VecDestroy(&inverse));
+    PetscCall(VecGetArrayRead(rows, &r));
+    PetscCall(VecGetArrayRead(columns, &c));
+    PetscCall(VecGetArray(d, &scale));
+    change = 0;
+    for (PetscInt i = 0; i < n; i++) {
+      PetscReal by = c[i] / scale[i] / (r[i] * scale[i]);
+
+      if (!isnormal(by)) continue; /* nothing in the row or in the column, so that no scale balances them */
+      by = sqrt(sqrt(by));
+      scale[i] *= by;
+      change = PetscMax(change, fabs(log2(by)));
+    }
+    PetscCall(VecRestoreArray(d, &scale));
+    PetscCall(VecRestoreArrayRead(rows, &r));
+    PetscCall(VecRestoreArrayRead(columns, &c));
+    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &change, 1, MPIU_REAL, MPI_MAX, PetscObjectComm((PetscObject)A)));
+  }
   PetscCall(VecGetArray(d, &scale));
   for (PetscInt i = 0; i < n; i++) scale[i] = exp2(rint(log2(scale[i])));
   PetscCall(VecRestoreArray(d, &scale));
-  PetscCall(VecDestroy(&inverse));
   PetscCall(VecDestroy(&rows));
   PetscCall(VecDestroy(&columns));
-  PetscCall(MatDestroy(&transposed));
+  PetscCall(MatDestroy(&sizes));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode BalanceGiven(MpmOperator *op)
 {
   PetscReal before, after;
-  Vec       inverse;
 
   PetscFunctionBegin;
   PetscCall(MatCreateVecs(op->A, NULL, &op->unit));
   PetscCall(FindScale(op->A, op->unit));
-  PetscCall(MpmReciprocals(op->unit, &inverse));
-  PetscCall(MatDuplicate(op->A, MAT_COPY_VALUES, &op->balanced));
-  PetscCall(MatDiagonalScale(op->balanced, op->unit, inverse));
-  PetscCall(VecDestroy(&inverse));
+  PetscCall(Scale(op, op->A, op->unit, &op->balanced));
   PetscCall(MatNorm(op->A, NORM_INFINITY, &before));
   PetscCall(MatNorm(op->balanced, NORM_INFINITY, &after));
   if (GAIN * after < before) PetscFunctionReturn(PETSC_SUCCESS);

@@ -20,6 +20,7 @@
    numbers are their own differentials.
 */
 #include "operator/tangent.h"
+#include "march/finite.h"
 #include "scene/material.h"
 #include "scheme/deform.h"
 #include <mpmstab/errors.h>
@@ -301,191 +302,35 @@ static PetscErrorCode RestoreArrays(const Builder *b, PetscInt first, PetscInt n
 }
 
 /*
-   A law of particles, y = f(x) at each by itself, with nx registers x and ny registers y.
-
-   x, perturbed - the registers of x, and those that hold their perturbations
-   y            - the first of y
-   factor, weight - dy is multiplied by these besides; NULL: ones
-   slope        - dy along dx
-   zero         - NULL, or whether dy_r does not depend on dx_q
+   The laws of particles, y = f(x) at each by itself. x are the registers that an operation reads and, of one that changes
+   registers, these; or the stretch besides. Law: y; the viscous stress of the law alone is added to y, since what has an
+   artificial viscosity has no tangent (scene/settings_request.c).
 */
-typedef struct {
-  PetscInt  nx, ny, x[2 * MPM_MOST_STRETCH], perturbed[2 * MPM_MOST_STRETCH], y;
-  PetscReal factor;
-  Vec       weight;
-  void (*slope)(Builder *b, const MpmOp *op, const PetscReal *const x[], const PetscReal *const dx[],
-                PetscReal *const dy[]);
-  PetscBool (*zero)(const Builder *b, const MpmOp *op, PetscInt q, PetscInt r);
-} Law;
-
-/* Adds n registers to x, with their perturbations in others. */
-static void Reads(Law *law, PetscInt n, PetscInt first, PetscInt perturbed)
+static void Law(Builder *b, const MpmOp *op, const PetscReal *const x[], PetscReal *const y[])
 {
-  for (PetscInt c = 0; c < n; c++) {
-    law->x[law->nx]           = first + c;
-    law->perturbed[law->nx++] = perturbed + c;
+  const MpmMaterialNumbers *m   = &b->table->material;
+  const PetscInt            dim = b->table->dim, n = b->sizes->particles;
+
+  switch (op->kind) {
+  case MPM_STRESS:
+    MpmMaterialStress(m, dim, n, x, y);
+    break;
+  case MPM_VISCOUS:
+    m->law->viscous(m, op->factor, dim, n, x, y);
+    break;
+  case MPM_STRESS_AHEAD:
+    b->inverted = MpmStressAhead(m, dim, n, op->factor, x, x + dim * dim, y) < n ? PETSC_TRUE : PETSC_FALSE;
+    break;
+  case MPM_RETURN:
+    MpmMaterialReturn(m, dim, n, y);
+    break;
+  default:
+    (void)MpmStretch(dim, n, MpmOpValue(op, b->courant), y, x);
   }
 }
 
-/* Appends dy_r += (dy_r / dx_q) dx_q for all components. */
-static PetscErrorCode AppendLaw(Builder *b, const MpmOp *op, const Law *law)
-{
-  const PetscInt   n = b->sizes->particles;
-  PetscReal       *x[2 * MPM_MOST_STRETCH], *dy[MPM_MOST_STRETCH], *one, *zero;
-  const PetscReal *dx[2 * MPM_MOST_STRETCH];
-  Vec              slope[MPM_MOST_STRETCH];
-
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc2(n, &one, n, &zero));
-  for (PetscInt p = 0; p < n; p++) one[p] = 1;
-  for (PetscInt q = 0; q < law->nx; q++) PetscCall(VecGetArray(b->value[law->x[q]], &x[q]));
-  for (PetscInt q = 0; q < law->nx; q++) {
-    for (PetscInt c = 0; c < law->nx; c++) dx[c] = c == q ? one : zero;
-    for (PetscInt r = 0; r < law->ny; r++) {
-      PetscCall(VecDuplicate(b->value[law->y], &slope[r]));
-      PetscCall(VecGetArray(slope[r], &dy[r]));
-    }
-    law->slope(b, op, (const PetscReal *const *)x, dx, dy);
-    for (PetscInt r = 0; r < law->ny; r++) {
-      PetscCall(VecRestoreArray(slope[r], &dy[r]));
-      if (law->weight) PetscCall(VecPointwiseMult(slope[r], slope[r], law->weight));
-      if (!law->zero || !law->zero(b, op, q, r))
-        PetscCall(Append(b, law->y + r, law->perturbed[q], NULL, PETSC_FALSE, slope[r], NULL, law->factor));
-      PetscCall(VecDestroy(&slope[r]));
-    }
-  }
-  for (PetscInt q = 0; q < law->nx; q++) PetscCall(VecRestoreArray(b->value[law->x[q]], &x[q]));
-  PetscCall(PetscFree2(one, zero));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static void StressSlope(Builder *b, const MpmOp *op, const PetscReal *const F[], const PetscReal *const dF[],
-                        PetscReal *const dtau[])
-{
-  (void)op;
-  MpmMaterialTangent(&b->table->material, b->table->dim, b->sizes->particles, F, dF, dtau);
-}
-
-static PetscErrorCode Stress(Builder *b, const MpmOp *op)
-{
-  const PetscInt dim = b->table->dim, nF = MpmTableStretches(b->table);
-  Law law = {.ny = dim * (dim + 1) / 2, .y = op->dst, .factor = MpmOpValue(op, b->courant), .slope = StressSlope};
-  PetscReal *F[MPM_MOST_STRETCH], *tau[MPM_MAX_DIM * (MPM_MAX_DIM + 1) / 2];
-
-  PetscFunctionBegin;
-  PetscCall(WeightOf(b, op->kind, &law.weight));
-  for (PetscInt r = 0; r < law.ny; r++) PetscCall(Clear(b, op->dst + r));
-  PetscCall(GetArrays(b, op->src, nF, F));
-  PetscCall(GetArrays(b, op->dst, law.ny, tau));
-  MpmMaterialStress(&b->table->material, dim, b->sizes->particles, (const PetscReal *const *)F, tau);
-  PetscCall(RestoreArrays(b, op->dst, law.ny, tau));
-  PetscCall(RestoreArrays(b, op->src, nF, F));
-  for (PetscInt r = 0; r < law.ny && law.weight; r++)
-    PetscCall(VecPointwiseMult(b->value[op->dst + r], b->value[op->dst + r], law.weight));
-  Reads(&law, nF, op->src, op->src);
-  PetscCall(AppendLaw(b, op, &law));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static void ViscousSlope(Builder *b, const MpmOp *op, const PetscReal *const L[], const PetscReal *const dL[],
-                         PetscReal *const dtau[])
-{
-  const MpmMaterialNumbers *m = &b->table->material;
-
-  m->law->viscous_tangent(m, op->factor, b->table->dim, b->sizes->particles, L, dL, dtau);
-}
-
-/* Of the law alone: what has an artificial viscosity has no tangent (scene/settings_request.c). */
-static PetscErrorCode Viscous(Builder *b, const MpmOp *op)
-{
-  const PetscInt dim = b->table->dim;
-  Law            law = {.ny = dim * (dim + 1) / 2, .y = op->dst, .factor = 1, .slope = ViscousSlope};
-  PetscReal     *L[MPM_MAX_DIM * MPM_MAX_DIM], *tau[MPM_MAX_STRESS];
-
-  PetscFunctionBegin;
-  PetscCall(GetArrays(b, op->src, dim * dim, L));
-  PetscCall(GetArrays(b, op->dst, law.ny, tau));
-  b->table->material.law->viscous(&b->table->material, op->factor, dim, b->sizes->particles,
-                                  (const PetscReal *const *)L, tau);
-  PetscCall(RestoreArrays(b, op->dst, law.ny, tau));
-  PetscCall(RestoreArrays(b, op->src, dim * dim, L));
-  Reads(&law, dim * dim, op->src, op->src);
-  PetscCall(AppendLaw(b, op, &law));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static void ReturnSlope(Builder *b, const MpmOp *op, const PetscReal *const F[], const PetscReal *const dF[],
-                        PetscReal *const dR[])
-{
-  (void)op;
-  b->met = MpmMaterialReturnTangent(&b->table->material, b->table->dim, b->sizes->particles, b->branch, F, dF, dR);
-}
-
-/* Copies the perturbations of n registers, for a law that changes these. */
-static PetscErrorCode CopyPerturbed(Builder *b, PetscInt first, PetscInt n)
-{
-  PetscFunctionBegin;
-  for (PetscInt c = 0; c < n; c++) {
-    PetscCall(Clear(b, b->slot.copy + c));
-    PetscCall(Append(b, b->slot.copy + c, first + c, NULL, PETSC_FALSE, NULL, NULL, 1));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* F, with its internal variables, becomes R(F); the lines read a copy of dF. */
-static PetscErrorCode Return(Builder *b, const MpmOp *op)
-{
-  const PetscInt nF  = MpmTableStretches(b->table);
-  Law            law = {.ny = nF, .y = op->dst, .factor = 1, .slope = ReturnSlope};
-  PetscReal     *F[MPM_MOST_STRETCH];
-
-  PetscFunctionBegin;
-  PetscCall(CopyPerturbed(b, op->dst, nF));
-  for (PetscInt c = 0; c < nF; c++)
-    PetscCall(MpmStepProgramAppend(b->program, (MpmLine){.dst = op->dst + c, .src = op->dst + c}));
-  Reads(&law, nF, op->dst, b->slot.copy);
-  PetscCall(AppendLaw(b, op, &law));
-  b->on_surface += b->met;
-  PetscCall(GetArrays(b, op->dst, nF, F));
-  MpmMaterialReturn(&b->table->material, b->table->dim, b->sizes->particles, F);
-  PetscCall(RestoreArrays(b, op->dst, nF, F));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static void AheadSlope(Builder *b, const MpmOp *op, const PetscReal *const x[], const PetscReal *const dx[],
-                       PetscReal *const dT[])
-{
-  const PetscInt dim = b->table->dim, nF = dim * dim;
-
-  MpmStressAheadTangent(&b->table->material, dim, b->sizes->particles, op->factor, x, x + nF, dx, dx + nF, dT);
-}
-
-static PetscErrorCode StressAhead(Builder *b, const MpmOp *op)
-{
-  const PetscInt dim = b->table->dim, nF = dim * dim, n = b->sizes->particles;
-  Law            law = {.ny = nF, .y = op->dst, .factor = 1, .slope = AheadSlope};
-  PetscReal     *array[3][MPM_MAX_DIM * MPM_MAX_DIM];
-
-  PetscFunctionBegin;
-  for (PetscInt r = 0; r < nF; r++) PetscCall(Clear(b, op->dst + r));
-  PetscCall(GetArrays(b, op->src, nF, array[0]));
-  PetscCall(GetArrays(b, b->table->stretch, nF, array[1]));
-  PetscCall(GetArrays(b, op->dst, nF, array[2]));
-  b->inverted = MpmStressAhead(&b->table->material, dim, n, op->factor, (const PetscReal *const *)array[0],
-                               (const PetscReal *const *)array[1], array[2]) < n
-                    ? PETSC_TRUE
-                    : PETSC_FALSE;
-  PetscCall(RestoreArrays(b, op->dst, nF, array[2]));
-  PetscCall(RestoreArrays(b, b->table->stretch, nF, array[1]));
-  PetscCall(RestoreArrays(b, op->src, nF, array[0]));
-  Reads(&law, nF, op->src, op->src);
-  Reads(&law, nF, b->table->stretch, b->table->stretch);
-  PetscCall(AppendLaw(b, op, &law));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* F' = F + L G, G = F + a L F: dF' - dF = dL G + L dG, dG = dF + a (dL F + L dF) */
-static void StretchSlope(Builder *b, const MpmOp *op, const PetscReal *const x[], const PetscReal *const dx[],
+/* F' = F + L G, G = F + a L F: dF' = dF + dL G + L dG, dG = dF + a (dL F + L dF) */
+static void StretchSlope(const Builder *b, const MpmOp *op, const PetscReal *const x[], const PetscReal *const dx[],
                          PetscReal *const dy[])
 {
   const PetscInt          dim = b->table->dim, n = dim * dim;
@@ -498,7 +343,7 @@ static void StretchSlope(Builder *b, const MpmOp *op, const PetscReal *const x[]
     for (PetscInt i = 0; i < n; i++) {
       G[i]     = F[i][p];
       dG[i]    = dF[i][p];
-      dy[i][p] = 0;
+      dy[i][p] = dF[i][p];
     }
     for (PetscInt i = 0; i < 2 * n * dim; i++) { /* first G, and then dy of it */
       const PetscInt ab = i / dim % n, ac = ab / dim * dim + i % dim, cb = i % dim * dim + ab % dim;
@@ -512,31 +357,108 @@ static void StretchSlope(Builder *b, const MpmOp *op, const PetscReal *const x[]
   }
 }
 
-/* A column of F' depends on this column of F and, where a is 0, a row of it on this row of L. */
-static PetscBool StretchZero(const Builder *b, const MpmOp *op, PetscInt q, PetscInt r)
+/* dy along dx */
+static void LawSlope(Builder *b, const MpmOp *op, const PetscReal *const x[], const PetscReal *const dx[],
+                     PetscReal *const dy[])
+{
+  const MpmMaterialNumbers *m   = &b->table->material;
+  const PetscInt            dim = b->table->dim, n = b->sizes->particles;
+
+  switch (op->kind) {
+  case MPM_STRESS:
+    MpmMaterialTangent(m, dim, n, x, dx, dy);
+    break;
+  case MPM_VISCOUS:
+    m->law->viscous_tangent(m, op->factor, dim, n, x, dx, dy);
+    break;
+  case MPM_STRESS_AHEAD:
+    MpmStressAheadTangent(m, dim, n, op->factor, x, x + dim * dim, dx, dx + dim * dim, dy);
+    break;
+  case MPM_RETURN:
+    b->met = MpmMaterialReturnTangent(m, dim, n, b->branch, x, dx, dy);
+    break;
+  default:
+    StretchSlope(b, op, x, dx, dy);
+  }
+}
+
+/*
+   Whether y_r does not depend on x_q. A column of F' depends on this column of F and, where a is 0, a row of it on this
+   row of L.
+*/
+static PetscBool LawIsZero(const Builder *b, const MpmOp *op, PetscInt q, PetscInt r)
 {
   const PetscInt dim = b->table->dim, n = dim * dim;
 
+  if (op->kind != MPM_STRETCH) return PETSC_FALSE;
   return q >= n ? (q % dim != r % dim) : (op->factor == 0 && q / dim != r / dim);
 }
 
-/* F becomes (I + L + a L L) F; the lines read a copy of dF. */
-static PetscErrorCode Stretch(Builder *b, const MpmOp *op)
+/* Appends dy_r += (dy_r / dx_q) dx_q for all components. dx_q is in register perturbed[q]. */
+static PetscErrorCode AppendLaw(Builder *b, const MpmOp *op, PetscInt nx, PetscInt ny, const PetscReal *const x[],
+                                const PetscInt perturbed[], Vec weight)
 {
-  const PetscInt dim = b->table->dim, n = dim * dim;
-  Law            law = {.ny = n, .y = op->dst, .factor = 1, .slope = StretchSlope, .zero = StretchZero};
-  PetscReal     *F[MPM_MAX_DIM * MPM_MAX_DIM], *L[MPM_MAX_DIM * MPM_MAX_DIM];
+  const PetscInt   n = b->sizes->particles;
+  PetscReal       *dy[MPM_MOST_STRETCH], *one, *zero;
+  const PetscReal *dx[2 * MPM_MOST_STRETCH];
+  Vec              slope[MPM_MOST_STRETCH];
 
   PetscFunctionBegin;
-  PetscCall(CopyPerturbed(b, op->dst, n));
-  Reads(&law, n, op->src, op->src);
-  Reads(&law, n, op->dst, b->slot.copy);
-  PetscCall(AppendLaw(b, op, &law));
-  PetscCall(GetArrays(b, op->dst, n, F));
-  PetscCall(GetArrays(b, op->src, n, L));
-  (void)MpmStretch(dim, b->sizes->particles, MpmOpValue(op, b->courant), F, (const PetscReal *const *)L);
-  PetscCall(RestoreArrays(b, op->src, n, L));
-  PetscCall(RestoreArrays(b, op->dst, n, F));
+  PetscCall(PetscCalloc2(n, &one, n, &zero));
+  for (PetscInt p = 0; p < n; p++) one[p] = 1;
+  for (PetscInt q = 0; q < nx; q++) {
+    for (PetscInt c = 0; c < nx; c++) dx[c] = c == q ? one : zero;
+    for (PetscInt r = 0; r < ny; r++) {
+      PetscCall(VecDuplicate(b->value[op->dst], &slope[r]));
+      PetscCall(VecGetArray(slope[r], &dy[r]));
+    }
+    LawSlope(b, op, x, dx, dy);
+    for (PetscInt r = 0; r < ny; r++) {
+      PetscCall(VecRestoreArray(slope[r], &dy[r]));
+      if (weight) PetscCall(VecPointwiseMult(slope[r], slope[r], weight));
+      if (!LawIsZero(b, op, q, r))
+        PetscCall(Append(b, op->dst + r, perturbed[q], NULL, PETSC_FALSE, slope[r], NULL, 1));
+      PetscCall(VecDestroy(&slope[r]));
+    }
+  }
+  PetscCall(PetscFree2(one, zero));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A law that changes its registers reads a copy of their perturbations. */
+static PetscErrorCode ApplyLaw(Builder *b, const MpmOp *op)
+{
+  const PetscBool      changes = op->kind == MPM_STRETCH || op->kind == MPM_RETURN ? PETSC_TRUE : PETSC_FALSE;
+  const MpmFiniteWidth width   = MpmFiniteWidthOf(op->kind, b->table->dim, MpmTableStretches(b->table));
+  const PetscInt       nx = width.from, more = changes ? width.to : op->kind == MPM_STRESS_AHEAD ? width.stretch : 0;
+  const PetscInt       second = changes ? op->dst : b->table->stretch;
+  PetscInt             perturbed[2 * MPM_MOST_STRETCH];
+  PetscReal           *x[2 * MPM_MOST_STRETCH], *y[MPM_MOST_STRETCH];
+  Vec                  weight = NULL;
+
+  PetscFunctionBegin;
+  if (op->kind == MPM_STRESS) PetscCall(WeightOf(b, op->kind, &weight));
+  for (PetscInt c = 0; c < nx; c++) perturbed[c] = op->src + c;
+  for (PetscInt c = 0; c < more; c++) perturbed[nx + c] = changes ? b->slot.copy + c : second + c;
+  for (PetscInt r = 0; r < width.to; r++)
+    if (changes) {
+      PetscCall(Clear(b, b->slot.copy + r));
+      PetscCall(Append(b, b->slot.copy + r, op->dst + r, NULL, PETSC_FALSE, NULL, NULL, 1));
+      PetscCall(MpmStepProgramAppend(b->program, (MpmLine){.dst = op->dst + r, .src = op->dst + r}));
+    } else if (op->kind != MPM_VISCOUS)
+      PetscCall(Clear(b, op->dst + r));
+  PetscCall(GetArrays(b, op->src, nx, x));
+  PetscCall(GetArrays(b, second, more, x + nx));
+  if (!changes) PetscCall(GetArrays(b, op->dst, width.to, y));
+  PetscCall(AppendLaw(b, op, nx + more, width.to, (const PetscReal *const *)x, perturbed, weight));
+  Law(b, op, (const PetscReal *const *)x, changes ? x + nx : y);
+  b->on_surface += b->met;
+  b->met = 0;
+  if (!changes) PetscCall(RestoreArrays(b, op->dst, width.to, y));
+  PetscCall(RestoreArrays(b, second, more, x + nx));
+  PetscCall(RestoreArrays(b, op->src, nx, x));
+  for (PetscInt r = 0; r < width.to && weight; r++)
+    PetscCall(VecPointwiseMult(b->value[op->dst + r], b->value[op->dst + r], weight));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -760,22 +682,14 @@ static PetscErrorCode ApplyOp(Builder *b, const MpmOp *op)
     PetscCall(Collide(b, op));
     break;
   case MPM_STRESS:
-    PetscCall(Stress(b, op));
-    break;
   case MPM_VISCOUS:
-    PetscCall(Viscous(b, op));
-    break;
   case MPM_STRESS_AHEAD:
-    PetscCall(StressAhead(b, op));
+  case MPM_STRETCH:
+  case MPM_RETURN:
+    PetscCall(ApplyLaw(b, op));
     break;
   case MPM_IMPLICIT:
     PetscCall(Implicit(b, op));
-    break;
-  case MPM_STRETCH:
-    PetscCall(Stretch(b, op));
-    break;
-  case MPM_RETURN:
-    PetscCall(Return(b, op));
     break;
   case MPM_LOAD:
     PetscCall(Load(b, op));

@@ -137,7 +137,7 @@ PetscErrorCode MpmTangentMismatch(MpmTangentSpace *space, MpmMarch *march, Mat *
   PetscCall(MpmTangentStateOf(space, march, &before));
   for (PetscInt f = 0; f < space->nstate; f++) PetscCall(VecDuplicate(state.field[0], &after[f]));
   PetscCall(MpmTangentOf(space, march->courant, &before, tangent, after));
-  PetscCall(MpmMarchStep(march, PETSC_FALSE));
+  PetscCall(MpmMarchStep(march));
   *mismatch = NAN;
   if (!march->failure[0]) {
     PetscCall(MpmTangentStateOf(space, march, &state));

@@ -54,7 +54,7 @@ static PetscErrorCode March(MpmMarch *march, MpmRun *run, PetscInt64 last, Petsc
   PetscFunctionBegin;
   *follow = PETSC_TRUE;
   while (march->step < last && *follow) {
-    PetscCall(MpmMarchStep(march, PETSC_TRUE));
+    PetscCall(MpmMarchStep(march));
     PetscCall(Sample(march, run, follow));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

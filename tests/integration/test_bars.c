@@ -104,7 +104,7 @@ static PetscErrorCode Tip(PetscInt cells, PetscReal *worst)
     PetscCall(GatherField(march, "u", &u));
     *worst = PetscMax(*worst, fabs(u[scene->layout.particles - 1] / (3.0 * 2 / 4) - sign[n]));
     PetscCall(PetscFree(u));
-    for (PetscInt step = 0; step < 2 * cells; step++) PetscCall(MpmMarchStep(march, PETSC_FALSE));
+    for (PetscInt step = 0; step < 2 * cells; step++) PetscCall(MpmMarchStep(march));
   }
   PetscCall(MpmMarchDestroy(&march));
   PetscCall(MpmSceneDestroy(&scene));

@@ -35,7 +35,7 @@ static PetscErrorCode Steps(MpmMarch *march, PetscInt64 last)
 {
   PetscFunctionBegin;
   while (march->step < last) {
-    PetscCall(MpmMarchStep(march, PETSC_FALSE));
+    PetscCall(MpmMarchStep(march));
     if (march->step == 20) PetscCall(MpmMarchRescale(march, 3));
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -12,7 +12,7 @@ static PetscErrorCode Change(const char options[], PetscReal changes[2])
   PetscCall(CheckScene(options, &scene));
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
   PetscCall(MpmConservedSum(march, &start));
-  for (PetscInt64 step = 0; step < check_request.steps; step++) PetscCall(MpmMarchStep(march, PETSC_FALSE));
+  for (PetscInt64 step = 0; step < check_request.steps; step++) PetscCall(MpmMarchStep(march));
   PetscCall(MpmMarchRescale(march, 5));
   PetscCall(MpmConservedCheck(march, &start, changes));
   PetscCall(MpmMarchDestroy(&march));

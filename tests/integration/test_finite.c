@@ -110,7 +110,7 @@ static PetscErrorCode CheckSteps(const char options[], PetscInt steps)
   PetscCall(FiniteCreate(scene, &loops));
   PetscCall(Compare(march, &loops, PETSC_TRUE, &distance));
   for (PetscInt n = 0; n < steps; n++) {
-    PetscCall(MpmMarchStep(march, PETSC_FALSE));
+    PetscCall(MpmMarchStep(march));
     FiniteStep(&loops);
   }
   CHECK(!march->failure[0], "%s: %s", options, march->failure);

@@ -89,7 +89,7 @@ static PetscErrorCode EqualsOneRank(const char options[])
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
   PetscCall(MpmConservedSum(march, &start));
   CHECK(start.particles == scene->layout.particles, "%s: %d particles", options, (int)start.particles);
-  for (PetscInt64 step = 0; step < check_request.steps; step++) PetscCall(MpmMarchStep(march, PETSC_FALSE));
+  for (PetscInt64 step = 0; step < check_request.steps; step++) PetscCall(MpmMarchStep(march));
   PetscCall(MpmConservedCheck(march, &start, changes));
   CHECK(changes[0] <= 1e-13 && !(changes[1] > 1e-13), "%s: mass changes by %g, momentum by %g", options, changes[0],
         changes[1]);
@@ -185,7 +185,7 @@ static PetscErrorCode UniformEqualsLine(const char options[])
       PetscCall(SetField(march[i], scene[i]->scheme.table->fields[f], NULL));
     PetscCall(SetField(march[i], scene[i]->scheme.table->fields[0], Column));
     PetscCall(MpmMarchStart(march[i]));
-    for (int step = 0; step < 30; step++) PetscCall(MpmMarchStep(march[i], PETSC_FALSE));
+    for (int step = 0; step < 30; step++) PetscCall(MpmMarchStep(march[i]));
   }
   for (int f = 0; f < 2; f++) {
     PetscReal *one, *many, largest = 0, most;
@@ -234,7 +234,7 @@ static PetscErrorCode AxesExchange(const char xy[], const char yx[])
       PetscCall(SetField(march[i], scene[i]->scheme.table->fields[f], NULL));
     PetscCall(SetField(march[i], fields[0][i], i ? Exchanged : Itself));
     PetscCall(MpmMarchStart(march[i]));
-    for (int step = 0; step < 20; step++) PetscCall(MpmMarchStep(march[i], PETSC_FALSE));
+    for (int step = 0; step < 20; step++) PetscCall(MpmMarchStep(march[i]));
   }
   for (size_t f = 0; f < PETSC_STATIC_ARRAY_LENGTH(fields); f++) {
     PetscReal *one, *other, largest = 0, most;

@@ -76,7 +76,7 @@ static PetscErrorCode PlainLoop(void)
   bar.s = s;
   for (PetscInt step = 0; step < steps; step++) {
     Step(&bar, scene->step.courant);
-    PetscCall(MpmMarchStep(march, PETSC_FALSE));
+    PetscCall(MpmMarchStep(march));
   }
   PetscCall(GatherField(march, "v", &end));
   CHECK_NEAR(LargestDifference(n, end, v), 0, 1e-13 * LargestNumber(n, v));
@@ -104,7 +104,7 @@ static PetscErrorCode Velocities(const char options[], PetscInt64 *n, PetscReal 
   PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &march));
   PetscCall(GatherField(march, "v", v));
   *n = scene->layout.particles;
-  PetscCall(MpmMarchStep(march, PETSC_TRUE));
+  PetscCall(MpmMarchStep(march));
   PetscCall(MpmMarchNorms(march, &norms));
   *energy = scalbn(norms.energy, 2 * (int)march->exponent);
   PetscCall(MpmMarchDestroy(&march));

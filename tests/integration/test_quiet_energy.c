@@ -147,7 +147,7 @@ static PetscErrorCode Rise(const char options[], PetscReal D, PetscReal *rise)
   before = norms.energy;
   *rise  = -1;
   for (PetscInt64 step = 0; step < STEPS; step++) {
-    PetscCall(MpmMarchStep(march, PETSC_TRUE));
+    PetscCall(MpmMarchStep(march));
     PetscCall(MpmMarchNorms(march, &norms));
     PetscCall(AffineEnergy(march, scene, D, &affine));
     unit  = 1.0 / (PetscReal)scene->layout.particles; /* of a particle's mass, where the domain has 1 in all */

@@ -128,7 +128,7 @@ static PetscErrorCode CheckAlike(const char rest[], PetscBool expected)
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &read));
   for (PetscInt64 step = 0; step < check_request.steps; step++) {
     for (PetscInt r = 0; r < read->nrows; r++) read->row[r].alike = PETSC_FALSE;
-    PetscCall(MpmMarchStep(read, PETSC_FALSE));
+    PetscCall(MpmMarchStep(read));
   }
   for (PetscInt f = 0; scene->scheme.table->fields[f]; f++) {
     PetscReal *a, *b;
@@ -160,7 +160,7 @@ static PetscErrorCode CheckRescale(void)
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &scaled));
   for (PetscInt64 step = 0; step < check_request.steps; step++) {
     if (step % 3 == 1) PetscCall(MpmMarchRescale(scaled, step % 2 ? 37 : -90));
-    PetscCall(MpmMarchStep(scaled, PETSC_FALSE));
+    PetscCall(MpmMarchStep(scaled));
   }
   PetscCall(GatherField(plain, "u", &a));
   PetscCall(GatherField(scaled, "u", &b));

@@ -238,7 +238,7 @@ static PetscErrorCode Agrees(const char formulation[], const char rest[])
   PetscCall(MpmMarchCreate(PETSC_COMM_WORLD, scene, &march));
   PetscCall(PlainCreate(march, &plain));
   for (PetscInt64 step = 0; step < check_request.steps; step++) {
-    PetscCall(MpmMarchStep(march, PETSC_FALSE));
+    PetscCall(MpmMarchStep(march));
     PetscCall(PlainStep(formulation, scene->step.courant, &plain));
     PlainDrift(scene, step + 1, &plain);
   }

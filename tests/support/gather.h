@@ -29,7 +29,7 @@ static inline PetscErrorCode MarchScene(MPI_Comm comm, const MpmScene *scene, Mp
 {
   PetscFunctionBegin;
   PetscCall(MpmMarchCreate(comm, scene, march));
-  for (PetscInt64 step = 0; step < check_request.steps; step++) PetscCall(MpmMarchStep(*march, PETSC_FALSE));
+  for (PetscInt64 step = 0; step < check_request.steps; step++) PetscCall(MpmMarchStep(*march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

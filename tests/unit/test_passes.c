@@ -26,7 +26,6 @@ static PetscErrorCode Compiles(const char name[], const char more[], PetscInt pa
   CHECK(s.halo == halo, "%s: halo %d", name, s.halo);
   CHECK(CountKind(&s, MPM_PASS_DRIFT) == 0 && CountKind(&s, MPM_PASS_MASS) == 0, "%s at rest moves or weighs", name);
   CHECK(s.start.sums_mass, "%s: masses are never summed", name);
-  CHECK(CountKind(&s, MPM_PASS_SAMPLE) == scene->scheme.table->nstate, "%s: fields sampled", name);
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) spare += s.spare[n];
   CHECK(spare == spares, "%s: %d spare arrays", name, spare);
 

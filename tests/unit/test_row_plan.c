@@ -5,14 +5,13 @@
 static PetscErrorCode Test(int argc, char **argv)
 {
   const MpmBasis      *basis      = MpmBasisFind("quadratic");
-  const MpmPass        pass       = {.nops = 6,
+  const MpmPass        pass       = {.nops = 5,
                                      .op   = {{.kind = MPM_PASS_MAP, .map = MPM_GRAD, .axis = 1, .a = 2},
                                               {.kind = MPM_PASS_MAP, .map = MPM_GRAD, .axis = 1, .particle = 1, .a = 3},
                                               {.kind = MPM_PASS_SCALE, .particle = 2, .a = 0},
                                               {.kind = MPM_PASS_SCALE, .particle = 1, .a = 4},
-                                              {.kind = MPM_PASS_MAP, .map = MPM_G2P, .particle = 1, .a = 1},
-                                              {.kind = MPM_PASS_SAMPLE, .particle = 1}}};
-  const MpmRowStepKind expected[] = {MPM_ROW_SCALE, MPM_ROW_GATHER, MPM_ROW_SCALE, MPM_ROW_GATHER, MPM_ROW_SAMPLE};
+                                              {.kind = MPM_PASS_MAP, .map = MPM_G2P, .particle = 1, .a = 1}}};
+  const MpmRowStepKind expected[] = {MPM_ROW_SCALE, MPM_ROW_GATHER, MPM_ROW_SCALE, MPM_ROW_GATHER};
   MpmRowPlan          *plan;
 
   PetscFunctionBegin;
@@ -20,7 +19,7 @@ static PetscErrorCode Test(int argc, char **argv)
   (void)argv;
   PetscCall(PetscNew(&plan));
   MpmRowPlanCompile(&pass, basis, 2, plan);
-  CHECK(plan->nsteps == 5, "%d steps", (int)plan->nsteps);
+  CHECK(plan->nsteps == 4, "%d steps", (int)plan->nsteps);
   for (PetscInt s = 0; s < plan->nsteps; s++) CHECK(plan->step[s].kind == expected[s], "step %d", (int)s);
   CHECK(plan->step[0].particle == 2, "a register that no map of the group changes is scaled before it");
   CHECK(plan->step[2].particle == 1 && plan->step[2].a == 4, "a register that a map has changed is scaled after it");
