@@ -9,8 +9,6 @@ extern void DSYEVD(const char *jobz, const char *uplo, const PetscBLASInt *n, do
                    double *w, double *work, const PetscBLASInt *lwork, PetscBLASInt *iwork, const PetscBLASInt *liwork,
                    PetscBLASInt *info);
 
-#define DOUBTFUL 1e-11 /* eigenvalues of a product with the transpose below this, relatively, may be 0 */
-
 PetscErrorCode MpmDenseWhole(Mat matrix, PetscBool here, Mat **whole)
 {
   PetscInt rows, columns;
@@ -121,77 +119,29 @@ PetscErrorCode MpmDenseSymmetric(PetscInt n, PetscReal a[], PetscReal value[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Counts the singular values of a dense matrix with at least as many rows as columns that are not above least. */
-static PetscErrorCode CountSmall(Mat dense, PetscReal least, PetscInt *count)
-{
-  PetscInt     rows, columns;
-  PetscBLASInt m, n, one = 1, room, info;
-  PetscReal   *a, *value, *work;
-
-  PetscFunctionBegin;
-  PetscCall(MatGetSize(dense, &rows, &columns));
-  PetscCall(PetscBLASIntCast(rows, &m));
-  PetscCall(PetscBLASIntCast(columns, &n));
-  PetscCall(PetscBLASIntCast(5 * (rows + columns), &room));
-  PetscCall(PetscMalloc2(columns, &value, room, &work));
-  PetscCall(MatDenseGetArray(dense, &a));
-  PetscCallBLAS("LAPACKgesvd",
-                LAPACKgesvd_("N", "N", &m, &n, a, &m, value, NULL, &one, NULL, &one, work, &room, &info));
-  PetscCall(MatDenseRestoreArray(dense, &a));
-  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgesvd failed: %d", (int)info);
-  *count = 0;
-  for (PetscInt i = 0; i < columns; i++) *count += value[i] <= least;
-  PetscCall(PetscFree2(value, work));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* How much the rank of a sequential matrix with at least as many rows as columns is below its columns. */
-static PetscErrorCode Deficiency(Mat tall, PetscReal tolerance, PetscInt *missing)
-{
-  PetscInt   n, doubtful = 0;
-  PetscReal *gram, *value;
-  Mat        wide, product, vectors, images;
-
-  PetscFunctionBegin;
-  *missing = 0;
-  PetscCall(MatGetSize(tall, NULL, &n));
-  PetscCall(MatTranspose(tall, MAT_INITIAL_MATRIX, &wide));
-  PetscCall(MatMatMult(wide, tall, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &product));
-  PetscCall(PetscMalloc2((size_t)n * n, &gram, n, &value));
-  PetscCall(MpmDenseCopy(product, gram));
-  PetscCall(MpmDenseSymmetric(n, gram, value));
-  while (doubtful < n && value[doubtful] <= DOUBTFUL * value[n - 1]) doubtful++;
-  if (doubtful) {
-    PetscCall(MatCreateSeqDense(PETSC_COMM_SELF, n, doubtful, gram, &vectors));
-    PetscCall(MatMatMult(tall, vectors, MAT_INITIAL_MATRIX, PETSC_DETERMINE, &images));
-    PetscCall(CountSmall(images, tolerance * sqrt(value[n - 1]), missing));
-    PetscCall(MatDestroy(&images));
-    PetscCall(MatDestroy(&vectors));
-  }
-  PetscCall(PetscFree2(gram, value));
-  PetscCall(MatDestroy(&product));
-  PetscCall(MatDestroy(&wide));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmDenseNullity(Mat matrix, PetscReal tolerance, PetscInt *nullity)
 {
-  PetscInt rows, columns, missing;
-  Mat     *whole, tall;
+  PetscInt     rows, columns;
+  PetscBLASInt m, n, one = 1, room = -1, info;
+  PetscReal   *a, *value, *work, query;
 
   PetscFunctionBegin;
   PetscCall(MatGetSize(matrix, &rows, &columns));
-  PetscCall(MpmDenseWhole(matrix, PETSC_TRUE, &whole));
-  if (rows < columns)
-    PetscCall(MatTranspose(whole[0], MAT_INITIAL_MATRIX, &tall));
-  else {
-    tall = whole[0];
-    PetscCall(PetscObjectReference((PetscObject)tall));
-  }
-  PetscCall(Deficiency(tall, tolerance, &missing));
-  *nullity = PetscMax(0, columns - rows) + missing;
+  PetscCall(PetscBLASIntCast(rows, &m));
+  PetscCall(PetscBLASIntCast(columns, &n));
+  PetscCall(PetscMalloc2((size_t)rows * columns, &a, PetscMin(rows, columns), &value));
+  PetscCall(MpmDenseCopy(matrix, a));
+  PetscCallBLAS("LAPACKgesvd",
+                LAPACKgesvd_("N", "N", &m, &n, a, &m, value, NULL, &one, NULL, &one, &query, &room, &info));
+  room = (PetscBLASInt)query;
+  PetscCall(PetscMalloc1(room, &work));
+  PetscCallBLAS("LAPACKgesvd",
+                LAPACKgesvd_("N", "N", &m, &n, a, &m, value, NULL, &one, NULL, &one, work, &room, &info));
+  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK dgesvd failed: %d", (int)info);
+  *nullity = columns;
+  for (PetscInt i = 0; i < PetscMin(rows, columns); i++) *nullity -= value[i] > tolerance * value[0];
   PetscCallMPI(MPI_Bcast(nullity, 1, MPIU_INT, 0, PetscObjectComm((PetscObject)matrix)));
-  PetscCall(MatDestroy(&tall));
-  PetscCall(MatDestroySubMatrices(1, &whole));
+  PetscCall(PetscFree(work));
+  PetscCall(PetscFree2(a, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -40,9 +40,6 @@ PetscErrorCode MpmDenseSymmetric(PetscInt n, PetscReal a[], PetscReal value[]);
 
 /*
    MpmDenseNullity - the number of columns of a matrix minus its rank. Singular values below tolerance, relative to the
-   largest, count as 0; a tolerance of 1e-12 is the least that makes sense.
-
-   Collective. All singular values come from eigenvalues of the smaller of the products with the transpose, and those
-   that such a product cannot tell from 0 from the singular values of the matrix on the space of their vectors.
+   largest, count as 0; a tolerance of 1e-12 is the least that makes sense. Collective.
 */
 PetscErrorCode MpmDenseNullity(Mat matrix, PetscReal tolerance, PetscInt *nullity);

@@ -23,33 +23,6 @@ PetscErrorCode MpmEigenDenseSolve(Mat A, PetscReal re[], PetscReal im[], PetscRe
 /* Not collective. Gives the vector of eigenvalue j. */
 PetscErrorCode MpmEigenDenseVector(const PetscReal rows[], const PetscReal value_im[], PetscInt j, Vec re, Vec im);
 
-/*S
-   MpmBandVectors - the band of such a matrix, and work space.
-S*/
-typedef struct MpmBandVectors MpmBandVectors;
-
-/*
-   MpmBandVectorsCreate - keeps the band of a matrix, n x n by columns. band: NULL where it is so wide that LAPACK's
-   vectors cost no more.
-
-   Not collective.
-*/
-PetscErrorCode MpmBandVectorsCreate(PetscInt n, const PetscReal matrix[], MpmBandVectors **band);
-PetscErrorCode MpmBandVectorsDestroy(MpmBandVectors **band);
-
-/*
-   MpmBandVectorsFind - a vector of norm 1 for each of the eigenvalues re + i im that LAPACK found.
-
-   Not collective. vectors: room for n x n. Order of eigenvalues and columns is that of MpmDenseEigen.
-
-   For LAPACK's vector x of the eigenvalue z let r = norm(A x - z x). Then A - z is at most r from a singular matrix, so
-   the solution of (A - z) y = b has at least the norm abs(u^H b) / r, where u is a singular vector. For random b of
-   norm 1 this is about 1 / (r sqrt(n)), and y / norm(y) has the residual 1 / norm(y). So the vectors are good wherever
-   LAPACK's are, near defective eigenvalues, too. Vectors of equal eigenvalues differ, since b differs.
-*/
-PetscErrorCode MpmBandVectorsFind(MpmBandVectors *band, const PetscReal re[], const PetscReal im[],
-                                  PetscReal vectors[]);
-
 /*
    MpmNilpotentFind - finds whether a sparse matrix is strictly triangular in some order of its unknowns: no unknown
    feels itself, be it over others. Krylov's method does not find the eigenvalues 0 of such a matrix, or finds others,
