@@ -9,16 +9,18 @@ FILE has one refusal a line: topic, name, message and the words that follow COMM
 """
 import argparse
 import os
-import subprocess
 import sys
 import tempfile
+
+sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "support"))
+import forks  # short commands, without loading the libraries of mpmstab for each
 
 
 def fault(message, command):
     """Returns what is wrong with a refusal, or None."""
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace", check=False,
-                              timeout=60)
+        done = forks.run(command, cwd=folder, capture_output=True, text=True, errors="replace", check=False,
+                         timeout=60)
         left = os.listdir(folder)
     lines = done.stderr.splitlines()
     times = sum(f"mpmstab: {message}" in line for line in lines)

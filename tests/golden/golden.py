@@ -24,6 +24,8 @@ import digest
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
+sys.path.append(os.path.join(ROOT, "tests", "support"))
+import forks  # short commands, without loading the libraries of mpmstab for each
 TASKS = ("run", "spectrum", "symbol", "critical", "map", "ensemble")
 TOOLS = ("python3", "cc", "sh")
 TOLERANCE = 1e-12
@@ -33,7 +35,7 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w.]*[
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_pml": "ob1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_NUM_THREADS": "1",
                "OMPI_MCA_odls_base_sigkill_timeout": "0", "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "80"}
-PROGRESS = re.compile(r"(?m)^.*\d+ of \d+, \d+%, \d+ s left\n")  # a line a minute, on a machine that is busy
+PROGRESS = re.compile(r"(?m)^.*\d+ of \d+, \d+%, \d+ s left(?: \(.*\))?\n")  # a line a minute, on a machine that is busy
 
 
 class Case:
@@ -84,7 +86,7 @@ def cases_of(path):
 
 def run(case, arguments):
     """Runs the commands of a case in a folder of its own. Returns what they give, as a dictionary without levels."""
-    found, began = {"out": [], "err": []}, time.monotonic()
+    found, seconds = {"out": [], "err": []}, 0
     with tempfile.TemporaryDirectory() as folder:
         for name in ("examples", "tests", "include"):
             os.symlink(os.path.join(ROOT, name), os.path.join(folder, name))
@@ -98,17 +100,19 @@ def run(case, arguments):
                 words = [*launch, arguments.mpmstab, *words, "-json", f"{number}.json"]
             else:
                 words = [*launch, arguments.mpmstab, *words]
+            began = time.monotonic()
             try:
-                done = subprocess.run(words, cwd=folder, capture_output=True, text=True, errors="replace", check=False,
-                                      timeout=300, env=arguments.environment, stdin=subprocess.DEVNULL)
+                done = forks.run(words, cwd=folder, capture_output=True, text=True, errors="replace", check=False, timeout=300,
+                                 stdin=subprocess.DEVNULL)
             except subprocess.TimeoutExpired:
                 found[f"status {number}"] = "no end after 300 s"
                 break
+            seconds += getattr(done, "seconds", time.monotonic() - began)  # of processor, where forks.py knows
             found[f"status {number}"] = done.returncode
             for name, text in (("out", done.stdout), ("err", PROGRESS.sub("", done.stderr))):
                 found[name] += digest.lines(text.replace(folder + "/", "").replace(ROOT + "/", ""))
         found.update(digest.files(folder))
-    return found, time.monotonic() - began
+    return found, seconds
 
 
 def is_number(value):
@@ -221,8 +225,8 @@ def main():
     wanted.sort(key=lambda case: -case.ranks)  # those of several ranks take longest
     tools = tempfile.TemporaryDirectory()  # programs of cases run with the Python that runs this
     os.symlink(sys.executable, os.path.join(tools.name, "python3"))
-    arguments.environment = {**os.environ, **ENVIRONMENT, "PATH": tools.name + ":" + os.environ["PATH"]}
-    arguments.environment.pop("PETSC_OPTIONS", None)
+    os.environ.update(ENVIRONMENT, PATH=tools.name + ":" + os.environ["PATH"])
+    os.environ.pop("PETSC_OPTIONS", None)
     began, differ, seconds = time.monotonic(), [], {}
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         for case, (found, took) in zip(wanted, pool.map(lambda case: run(case, arguments), wanted)):

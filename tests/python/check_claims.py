@@ -28,7 +28,7 @@ import tempfile
 
 import numpy
 
-from checks import ROOT, check, text_of
+from checks import ROOT, check, forks, text_of
 
 MPMSTAB = os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab"))
 MARK = re.compile(r"([^\s|(]+)<!-- claim ([\w-]+) -->")
@@ -124,8 +124,8 @@ def run(command):
     """Returns the JSON of a task."""
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "out.json")
-        done = subprocess.run([MPMSTAB, *shlex.split(command), "-json", out], cwd=ROOT, capture_output=True, text=True,
-                              check=False)
+        done = forks.run([MPMSTAB, *shlex.split(command), "-json", out], cwd=ROOT, capture_output=True, text=True,
+                         check=False)
         check(done.returncode in (0, 3) and os.path.exists(out), f"{command}: status {done.returncode}: {done.stderr}")
         with open(out, encoding="utf-8") as file:
             return json.load(file)
@@ -146,8 +146,8 @@ def check_all_powers():
     """docs/spectra.md: the largest norm(A^n) over all n up to 1000, from the blocks of the waves, which are orthogonal."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "blocks.npz")
-        subprocess.run([MPMSTAB, "symbol", "-formulation", "musl", "-courant", "1.73", "-write_blocks", path], check=True,
-                       stdout=subprocess.DEVNULL)
+        forks.run([MPMSTAB, "symbol", "-formulation", "musl", "-courant", "1.73", "-write_blocks", path], check=True,
+                  stdout=subprocess.DEVNULL)
         blocks = numpy.load(path)
         cells, blocks_at = blocks["d"].ravel(), blocks["A"]
     phases = 2 * numpy.pi * numpy.arange(33) / 64  # beta and -beta have conjugate blocks

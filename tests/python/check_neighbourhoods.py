@@ -5,18 +5,17 @@ check_neighbourhoods.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent 
 """
 import json
 import math
-import subprocess
 import sys
 
-from checks import check
+from checks import check, forks
 
 WATER = ("-dim 2 -formulation usl -transfer apic -gradient mls -basis quadratic -density 1 -sound_speed 20 -poisson 0.5"
          " -neighbourhood lone").split()
 
 
 def run(task, words, ranks=1, status=0):
-    done = subprocess.run([sys.argv[1], "-q", "-n", str(ranks), sys.argv[2], task, *words, "-json", "n.json"],
-                          capture_output=True, text=True, check=False, timeout=120)
+    done = forks.run([sys.argv[1], "-q", "-n", str(ranks), sys.argv[2], task, *words, "-json", "n.json"],
+                     capture_output=True, text=True, check=False, timeout=120)
     check(done.returncode == status, f"{task} {words}: status {done.returncode}: {done.stderr}")
     with open("n.json", encoding="utf-8") as file:
         return json.load(file), done.stdout

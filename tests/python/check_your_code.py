@@ -17,7 +17,7 @@ import numpy
 import scipy.io
 
 import checks
-from checks import check
+from checks import check, forks
 
 ROOT = pathlib.Path(checks.ROOT)
 CC, MPMSTAB = sys.argv[1:]
@@ -30,7 +30,7 @@ sys.dont_write_bytecode = True
 
 def run(*words):
     """Runs a command, and returns what it prints."""
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False, env=ENVIRONMENT)
+    done = forks.run([str(word) for word in words], capture_output=True, text=True, check=False, env=ENVIRONMENT)
     check(done.returncode == 0, f"{' '.join(map(str, words))}: {done.stderr[-1000:]}")
     return done.stdout
 
@@ -417,8 +417,8 @@ def check_blocks_refused(path):
             ("% at: inf; allowed: finite numbers", (places[3], "% at: inf")),
             ("its cells differ by", (lines[-1], f"{last[0]} {last[1]} {float(last[2]) + 1e-4}")),
             ("no cell away from its edges", *far)):
-        done = subprocess.run([MPMSTAB, "symbol", "-matrix_blocks", edited(path, *changes)], capture_output=True, text=True,
-                              check=False)
+        done = forks.run([MPMSTAB, "symbol", "-matrix_blocks", edited(path, *changes)], capture_output=True, text=True,
+                         check=False)
         check(done.returncode == 2 and says in done.stderr and len(done.stderr.splitlines()) == 1, f"{says}: {done.stderr}")
 
 
@@ -495,7 +495,7 @@ def check_crash():
 int mpmstab_step(int steps, int64_t particles, double state[]) {{ return raise(SIGABRT); }}
 ''', encoding="utf-8")
     shared("./libcrash.so", CC, "crash.c")
-    done = subprocess.run([MPMSTAB, "spectrum", "-plugin", "./libcrash.so"], capture_output=True, text=True, check=False)
+    done = forks.run([MPMSTAB, "spectrum", "-plugin", "./libcrash.so"], capture_output=True, text=True, check=False)
     check(done.returncode == 2 and done.stderr == "mpmstab: plugin ./libcrash.so: the library was ended by signal 6 (Aborted)\n",
           f"crash: status {done.returncode}, {done.stderr}")
 
