@@ -115,7 +115,7 @@ def check_range(command):
 
 def main(mpiexec, mpmstab):
     first = None
-    for ranks in (1, 2, 3):
+    for ranks in (1, 3):
         found = check_stable([mpiexec, "-n", str(ranks), mpmstab], ranks)
         first = first or found
         check(math.isclose(found[0], first[0], rel_tol=1e-10), f"kreiss on {ranks} ranks {found[0]}, on one {first[0]}")
