@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Runs the commands of the golden set again and compares what they give with what is recorded.
 
-golden.py MPMSTAB [--record] [--only PATTERN] [--jobs N] [--mpiexec MPIEXEC] [--slowest N]
+golden.py MPMSTAB [--record] [--only PATTERN] [--every-day | --nightly] [--jobs N] [--mpiexec MPIEXEC] [--slowest N]
 
 cases/GROUP.txt has the commands, answers/GROUP.json what they gave. README.md says how both are written.
 """
@@ -44,9 +44,9 @@ class Case:
     def __init__(self, group, name, words, command):
         self.group, self.name, self.command, self.rules = group, name, command.strip(), []
         given = dict(word.split("=") for word in words.split())
-        self.ranks, self.status = int(given.pop("ranks", 1)), int(given.pop("status", 0))
+        self.ranks, self.status, self.nightly = (int(given.pop(key, at)) for key, at in (("ranks", 1), ("status", 0), ("nightly", 0)))
         if given:
-            sys.exit(f"golden: {name}: unknown {' '.join(given)}; allowed: ranks and status")
+            sys.exit(f"golden: {name}: unknown {' '.join(given)}; allowed: ranks, status and nightly")
 
 
 class Rule:
@@ -69,7 +69,7 @@ class Rule:
 
 
 def cases_of(path):
-    """Reads a list of cases, 'NAME [ranks=N] [status=N]: COMMAND', with its rules in lines that begin with ~ below it."""
+    """Reads a list of cases, 'NAME [ranks=N] [status=N] [nightly=1]: COMMAND', with its rules in lines that begin with ~ below it."""
     group, cases = os.path.basename(path)[:-len(".txt")], []
     with open(path, encoding="utf-8") as file:
         for number, line in enumerate(file, 1):
@@ -79,7 +79,7 @@ def cases_of(path):
             elif line and not line.startswith("#"):
                 match = re.match(r"(\S+?)((?: \w+=\d+)*):(.*)", line)
                 if not match:
-                    sys.exit(f"golden: {where}: not 'NAME [ranks=N] [status=N]: COMMAND'")
+                    sys.exit(f"golden: {where}: not 'NAME [ranks=N] [status=N] [nightly=1]: COMMAND'")
                 cases.append(Case(group, *match.groups()))
     return cases
 
@@ -205,6 +205,8 @@ def main():
     parser.add_argument("mpmstab", type=os.path.abspath)
     parser.add_argument("--record", action="store_true")
     parser.add_argument("--only", default="*")
+    parser.add_argument("--every-day", action="store_true")
+    parser.add_argument("--nightly", action="store_true")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--mpiexec", default="mpirun")
     parser.add_argument("--slowest", type=int, default=0)
@@ -222,6 +224,7 @@ def main():
             with open(path, encoding="utf-8") as file:
                 answers.update(json.load(file))
     wanted = [case for case in cases if fnmatch.fnmatch(case.name, arguments.only) or case.group == arguments.only]
+    wanted = [case for case in wanted if not (arguments.every_day and case.nightly or arguments.nightly and not case.nightly)]
     wanted.sort(key=lambda case: -case.ranks)  # those of several ranks take longest
     tools = tempfile.TemporaryDirectory()  # programs of cases run with the Python that runs this
     os.symlink(sys.executable, os.path.join(tools.name, "python3"))

@@ -99,10 +99,13 @@ def shared(name, compiler, *sources, flags=()):
     run(compiler, "-O2", "-fPIC", "-shared", INCLUDE, *flags, "-o", name, *sources, "-lm")
 
 
+MODULES = ["bar.o", "mpmstab_hook.o", "mpmstab_probe.o", "-lm"]  # of Fortran, which languages() compiles
+
+
 def check_fortran_refuses():
     """A part of structures as a whole, of which compilers give a copy or a wrong address, what is no target, and copies."""
     text = checks.text_of(CODE / "hook_structures.f90")
-    build = ["gfortran", "-o", "wrong", CODE / "bar.f90", CODE / "mpmstab_hook.f90", "wrong.f90", "mpmstab_probe.o", "-lm"]
+    build = ["gfortran", "-o", "wrong", "wrong.f90", *MODULES]
     for says, *changes in (("stress: it is a part of structures; needed: p(1)%stress", ("p(1)%stress, p(2)%stress, particles", "p%stress")),
                            ("x: the second particle does not come after the first", ("p(1)%x, p(2)%x", "p(2)%x, p(1)%x")),
                            ("no field moved in 5 steps: is a copy registered?", ("p(particles)", "p(particles), q(particles)"),
@@ -138,11 +141,10 @@ def languages():
         found["Octave"] = ["octave-cli", "-q", "--path", CODE, CODE / "hook.m"]
     if shutil.which("gfortran"):
         run(CC, "-x", "c", "-DMPMSTAB_PROBE_API=", "-c", ROOT / "include/mpmstab_probe.h", "-o", "mpmstab_probe.o")
-        run("gfortran", "-Wall", "-Werror", "-o", "hook_f", CODE / "bar.f90", CODE / "mpmstab_hook.f90", CODE / "hook.f90",
-            "mpmstab_probe.o", "-lm")
+        run("gfortran", "-Wall", "-Werror", "-c", CODE / "bar.f90", CODE / "mpmstab_hook.f90")
+        run("gfortran", "-Wall", "-Werror", "-o", "hook_f", CODE / "hook.f90", *MODULES)
         found["Fortran"] = ["./hook_f"]
-        run("gfortran", "-Wall", "-Werror", "-o", "hook_s", CODE / "bar.f90", CODE / "mpmstab_hook.f90",
-            CODE / "hook_structures.f90", "mpmstab_probe.o", "-lm")
+        run("gfortran", "-Wall", "-Werror", "-o", "hook_s", CODE / "hook_structures.f90", *MODULES)
         found["Fortran, structures"] = ["./hook_s"]
         check_fortran_refuses()
     missing = {"C++", "Octave", "Fortran"} - set(found)
