@@ -102,7 +102,7 @@ KINDS = [
     ("That nothing changes unseen", [
         ("answers of commands, all numbers", "the recorded ones (golden set)", golden, "1e-12, or a rule with its reason", "nothing", "golden"),
         ("bad input that is refused", "the recorded message and status 2 (golden set)", refused, "each word", "nothing", "golden"),
-        ("numbers on pages", "what their command finds", lambda: claims(("quick", "slow")), "digits of the page", "nothing", "claims"),
+        ("numbers on pages", "what their command finds", lambda: claims(("quick", "nightly", "slow")), "digits of the page", "nothing", "claims"),
         ("tables on pages", "the script that prints them", lambda: claims(("table",)), "each character", "nothing", "claims"),
         ("commands and how they end", "tests/cases.csv", cases, "words or numbers of the row", "nothing", "cases"),
         ("damaged scenes and checkpoints", "no crash, one message", lambda: sum(len(names) for *_, names in os.walk(

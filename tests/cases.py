@@ -29,6 +29,8 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.append(os.path.join(ROOT, "tests", "support"))
+import forks  # short commands, without loading the libraries of mpmstab for each
 COLUMNS = ["name", "label", "ranks", "nightly", "status", "says", "never", "command"]
 LABELS = ("core", "cli", "parallel", "docs")
 TIME_LIMIT = 300  # seconds for one command
@@ -74,20 +76,21 @@ def fault(launch, row):
     words = [*launch, *shlex.split(row["command"].replace("@", ROOT))]
     with tempfile.TemporaryDirectory() as folder:
         try:
-            done = subprocess.run(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                  timeout=TIME_LIMIT, errors="replace", check=False)
+            done = forks.run(words, cwd=folder, capture_output=True, text=True, timeout=TIME_LIMIT, errors="replace",
+                             check=False)
         except subprocess.TimeoutExpired:
             return f"{shlex.join(words)}\nhas not ended within {TIME_LIMIT} s"
-    times = len(re.findall(row["says"], done.stdout, re.DOTALL))
+    said = done.stdout + done.stderr
+    times = len(re.findall(row["says"], said, re.DOTALL))
     if done.returncode != int(row["status"]):
         wrong = f"status {done.returncode}, expected {row['status']}"
     elif row["says"] and (times == 0 or (times > 1 and done.returncode)):
         wrong = f"says {times} times: {row['says']}"
-    elif row["never"] and re.search(row["never"], done.stdout, re.DOTALL):
+    elif row["never"] and re.search(row["never"], said, re.DOTALL):
         wrong = f"says: {row['never']}"
     else:
         return None
-    return f"{shlex.join(words)}\n{done.stdout}{wrong}"
+    return f"{shlex.join(words)}\n{said}{wrong}"
 
 
 def main():

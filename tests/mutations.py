@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Breaks the program in some thirty places, one at a time, and says which test of every day notices it.
+"""Breaks the program in some forty places, one at a time, and says which test of every day notices it.
 
 mutations.py FOLDER [NAME...]: FOLDER is a clone of this repository with a build folder 'build', which this script
 changes. For each line of MUTATIONS (or those of these names) it writes the mutation into the source, builds, runs the
@@ -47,6 +47,13 @@ MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("units: Young's modulus without Poisson's ratio", "src/scene/scene_grid.c", "*stiffness *= (1 - nu) / ((1 + nu) * (1 - 2 * nu));", ""),
     ("neo: modulus at a stretch", "src/scheme/material/neo.c", "m->mu * (largest + 1)", "m->mu * (2 * largest)"),
     ("svk: tangent without its second part", "src/scheme/material/svk.c", "AddPushed(dim, dF, S, F, dtau);", ""),
+    ("mises: hardening by 1e-3", "src/scheme/material/mises.c", "+ k[MPM_HARDENING] * q", "+ 1.001 * k[MPM_HARDENING] * q"),
+    ("clay: friction by 1e-2", "src/scheme/material/clay.c", "/ (3 - sine))", "/ (3 - 1.01 * sine))"),
+    ("gravity by 1e-6", "src/march/finite.c", "unit * (scene->gravity[a]", "unit * (1.000001 * scene->gravity[a]"),
+    ("errors: l2 over the volume", "src/march/diagnostics.c", "sqrt(sums[1] / volume)", "sqrt(sums[1]) / volume"),
+    ("critical: corners are edges", "src/analysis/patch.c", "kind == MPM_PATCH_CORNER ? 2 : 1", "1"),
+    ("critical: Mach number by 1e-6", "src/analysis/critical_mach.c", "= MpmMachCourant(mach, part).value",
+     "= 1.000001 * MpmMachCourant(mach, part).value"),
     ("energy: not halved", "src/march/diagnostics.c", "terms ? sums[1] / 2 : NAN", "terms ? sums[1] : NAN"),
     ("checkpoint: one step ahead", "src/io/checkpoint.c", "[MPM_AT_STEP]     = march->step,", "[MPM_AT_STEP]     = march->step + 1,"),
     ("ensemble: undecided layouts count", "src/analysis/ensemble.c", "(PetscReal)e->unstable / e->n", "(PetscReal)(e->unstable + e->undecided) / e->n"),

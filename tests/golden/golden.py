@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Runs the commands of the golden set again and compares what they give with what is recorded.
 
-golden.py MPMSTAB [--record] [--only PATTERN] [--jobs N] [--ranks N] [--mpiexec MPIEXEC] [--slowest N]
+golden.py MPMSTAB [--record] [--only PATTERN] [--every-day | --nightly] [--jobs N] [--ranks N] [--mpiexec MPIEXEC]
+          [--slowest N]
 
 cases/GROUP.txt has the commands, answers/GROUP.json what they gave. README.md says how both are written.
 """
@@ -24,6 +25,8 @@ import digest
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
+sys.path.append(os.path.join(ROOT, "tests", "support"))
+import forks  # short commands, without loading the libraries of mpmstab for each
 TASKS = ("run", "spectrum", "symbol", "critical", "map", "ensemble")
 TOOLS = ("python3", "cc", "sh")
 TOLERANCE = 1e-12
@@ -33,7 +36,7 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w.]*[
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_pml": "ob1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_NUM_THREADS": "1",
                "OMPI_MCA_odls_base_sigkill_timeout": "0", "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "80"}
-PROGRESS = re.compile(r"(?m)^.*\d+ of \d+, \d+%, \d+ s left\n")  # a line a minute, on a machine that is busy
+PROGRESS = re.compile(r"(?m)^.*\d+ of \d+, \d+%, \d+ s left(?: \(.*\))?\n")  # a line a minute, on a machine that is busy
 
 
 class Case:
@@ -42,9 +45,9 @@ class Case:
     def __init__(self, group, name, words, command):
         self.group, self.name, self.command, self.rules = group, name, command.strip(), []
         given = dict(word.split("=") for word in words.split())
-        self.ranks, self.status = int(given.pop("ranks", 1)), int(given.pop("status", 0))
+        self.ranks, self.status, self.nightly = (int(given.pop(key, at)) for key, at in (("ranks", 1), ("status", 0), ("nightly", 0)))
         if given:
-            sys.exit(f"golden: {name}: unknown {' '.join(given)}; allowed: ranks and status")
+            sys.exit(f"golden: {name}: unknown {' '.join(given)}; allowed: ranks, status and nightly")
 
 
 class Rule:
@@ -67,7 +70,7 @@ class Rule:
 
 
 def cases_of(path):
-    """Reads a list of cases, 'NAME [ranks=N] [status=N]: COMMAND', with its rules in lines that begin with ~ below it."""
+    """Reads a list of cases, 'NAME [ranks=N] [status=N] [nightly=1]: COMMAND', with its rules in lines that begin with ~ below it."""
     group, cases = os.path.basename(path)[:-len(".txt")], []
     with open(path, encoding="utf-8") as file:
         for number, line in enumerate(file, 1):
@@ -77,14 +80,14 @@ def cases_of(path):
             elif line and not line.startswith("#"):
                 match = re.match(r"(\S+?)((?: \w+=\d+)*):(.*)", line)
                 if not match:
-                    sys.exit(f"golden: {where}: not 'NAME [ranks=N] [status=N]: COMMAND'")
+                    sys.exit(f"golden: {where}: not 'NAME [ranks=N] [status=N] [nightly=1]: COMMAND'")
                 cases.append(Case(group, *match.groups()))
     return cases
 
 
 def run(case, arguments):
     """Runs the commands of a case in a folder of its own. Returns what they give, as a dictionary without levels."""
-    found, began = {"out": [], "err": []}, time.monotonic()
+    found, seconds = {"out": [], "err": []}, 0
     with tempfile.TemporaryDirectory() as folder:
         for name in ("examples", "tests", "include"):
             os.symlink(os.path.join(ROOT, name), os.path.join(folder, name))
@@ -99,17 +102,19 @@ def run(case, arguments):
                 words = [*launch, arguments.mpmstab, *words, "-json", f"{number}.json"]
             else:
                 words = [*launch, arguments.mpmstab, *words]
+            began = time.monotonic()
             try:
-                done = subprocess.run(words, cwd=folder, capture_output=True, text=True, errors="replace", check=False,
-                                      timeout=300, env=arguments.environment, stdin=subprocess.DEVNULL)
+                done = forks.run(words, cwd=folder, capture_output=True, text=True, errors="replace", check=False, timeout=300,
+                                 stdin=subprocess.DEVNULL)
             except subprocess.TimeoutExpired:
                 found[f"status {number}"] = "no end after 300 s"
                 break
+            seconds += getattr(done, "seconds", time.monotonic() - began)  # of processor, where forks.py knows
             found[f"status {number}"] = done.returncode
             for name, text in (("out", done.stdout), ("err", PROGRESS.sub("", done.stderr))):
                 found[name] += digest.lines(text.replace(folder + "/", "").replace(ROOT + "/", ""))
         found.update(digest.files(folder))
-    return found, time.monotonic() - began
+    return found, seconds
 
 
 def is_number(value):
@@ -202,6 +207,8 @@ def main():
     parser.add_argument("mpmstab", type=os.path.abspath)
     parser.add_argument("--record", action="store_true")
     parser.add_argument("--only", default="*")
+    parser.add_argument("--every-day", action="store_true")
+    parser.add_argument("--nightly", action="store_true")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--ranks", type=int, help="of all cases, in place of their own")
     parser.add_argument("--mpiexec", default="mpirun")
@@ -220,11 +227,12 @@ def main():
             with open(path, encoding="utf-8") as file:
                 answers.update(json.load(file))
     wanted = [case for case in cases if fnmatch.fnmatch(case.name, arguments.only) or case.group == arguments.only]
+    wanted = [case for case in wanted if not (arguments.every_day and case.nightly or arguments.nightly and not case.nightly)]
     wanted.sort(key=lambda case: -case.ranks)  # those of several ranks take longest
     tools = tempfile.TemporaryDirectory()  # programs of cases run with the Python that runs this
     os.symlink(sys.executable, os.path.join(tools.name, "python3"))
-    arguments.environment = {**os.environ, **ENVIRONMENT, "PATH": tools.name + ":" + os.environ["PATH"]}
-    arguments.environment.pop("PETSC_OPTIONS", None)
+    os.environ.update(ENVIRONMENT, PATH=tools.name + ":" + os.environ["PATH"])
+    os.environ.pop("PETSC_OPTIONS", None)
     began, differ, seconds = time.monotonic(), [], {}
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         for case, (found, took) in zip(wanted, pool.map(lambda case: run(case, arguments), wanted)):

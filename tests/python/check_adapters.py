@@ -15,7 +15,7 @@ import numpy
 import scipy.io
 
 import checks
-from checks import check
+from checks import check, forks
 
 CC, MPMSTAB = sys.argv[1:]
 ROOT = pathlib.Path(checks.ROOT)
@@ -69,7 +69,7 @@ INTERPRETERS = {"python": sys.executable, "octave": "octave-cli", "c": CC, "fort
 
 def ran(*words, fails=False):
     """Runs a command. Returns what it prints: to standard error, if it is to fail."""
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False, env=ENVIRONMENT)
+    done = forks.run([str(word) for word in words], capture_output=True, text=True, check=False, env=ENVIRONMENT)
     check((done.returncode != 0) == fails, f"{' '.join(map(str, words))}: {done.returncode}, {done.stderr[-1000:]}")
     return done.stderr if fails else done.stdout
 

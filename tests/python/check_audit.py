@@ -17,7 +17,7 @@ import types
 
 import numpy
 
-from checks import ROOT, SCRIPTS, check, loaded, text_of
+from checks import ROOT, SCRIPTS, check, forks, loaded, text_of
 
 PACKAGE = os.path.join(SCRIPTS, "python")
 sys.path.insert(1, PACKAGE)
@@ -45,8 +45,8 @@ def by_audit(words, status=0):
 
 
 def by_program(words):
-    done = subprocess.run([sys.argv[2], "critical", *words.split(), "-json", "its.json"], capture_output=True, text=True,
-                          check=False)
+    done = forks.run([sys.argv[2], "critical", *words.split(), "-json", "its.json"], capture_output=True, text=True,
+                     check=False)
     check(done.returncode == 0, f"{words}: {done.stderr}")
     found = loaded("its.json")["critical"]
     unit = found["critical_dt"] / found["critical_courant"]

@@ -8,7 +8,6 @@ check_bodies.py MPIEXEC MPMSTAB. Silent when all is well.
 import json
 import math
 import re
-import subprocess
 import sys
 import tempfile
 import os
@@ -16,7 +15,7 @@ import os
 import h5py
 import numpy as np
 
-from checks import check
+from checks import check, forks
 
 MPIEXEC, MPMSTAB = sys.argv[1:]
 SCENE = ("-dim 2 -kinematics finite -formulation usl -basis quadratic -cells 16 -length 1 -boundary free -ppc 2 "
@@ -25,7 +24,7 @@ SCENE = ("-dim 2 -kinematics finite -formulation usl -basis quadratic -cells 16 
 
 def run(*words, ranks=1):
     launch = [MPIEXEC, "-q", "-n", str(ranks)] if ranks > 1 else []
-    done = subprocess.run([*launch, MPMSTAB, "run", *words], capture_output=True, text=True, check=False)
+    done = forks.run([*launch, MPMSTAB, "run", *words], capture_output=True, text=True, check=False)
     check(done.returncode == 0, f"{' '.join(words)}: status {done.returncode}: {done.stderr}")
 
 
@@ -141,8 +140,8 @@ def check_tangent():
         "{shape: sphere, center: [0.6, 0.52], radius: 0.2, velocity: [-0.5, 0.1]"
     for left, right in (("", ", young: 3e5"), (", material: sand", ", material: mises, yield: 1e-4, young: 3e5, poisson: 0.1"),
                         (", material: snow", ", material: tait, bulk: 1e5")):
-        done = subprocess.run([MPMSTAB, "spectrum", *words, "-bodies", f"[{one}{left}}}, {other}{right}}}]"], capture_output=True,
-                              text=True, check=False)
+        done = forks.run([MPMSTAB, "spectrum", *words, "-bodies", f"[{one}{left}}}, {other}{right}}}]"], capture_output=True,
+                         text=True, check=False)
         found = re.search(r"its step differs from the march's by (\S+)", done.stdout)
         check(found and float(found[1]) < 1e-12, f"tangent with {left} and {right}: {found and found[1]} {done.stderr}")
 
@@ -199,8 +198,8 @@ def check_bad_distance():
                 file["distance"] = distance
             file["origin"], file["spacing"] = origin, spacing
         launch = [MPIEXEC, "-q", "-n", "2"] if ranks == 3 else []
-        done = subprocess.run([*launch, MPMSTAB, "run", *SCENE, "-courant", "0.2", "-steps", "1", "-bodies",
-                               "{shape: distance, path: bad.h5}"], capture_output=True, text=True, check=False)
+        done = forks.run([*launch, MPMSTAB, "run", *SCENE, "-courant", "0.2", "-steps", "1", "-bodies",
+                          "{shape: distance, path: bad.h5}"], capture_output=True, text=True, check=False)
         lines = done.stderr.strip().splitlines()
         check(done.returncode == 2 and len(lines) == 1 and f"bodies: path of body 1: bad.h5: {says}" in lines[0],
               f"{says}: status {done.returncode}: {done.stderr}")
@@ -256,7 +255,7 @@ def check_ranks():
     colliders = ("[{shape: cone, tip: [0.5, 0.4], axis: [0, -1], angle: 40, contact: separating, friction: 0.2}, "
                  "{shape: plane, point: [0, 0.05], normal: [0, 1], contact: slip, velocity: [[0, 0, 0], [0.1, 0, 0.2]]}]")
     words = [*SCENE, "-gravity", "0,-9.81", "-bodies", bodies, "-colliders", colliders, "-courant", "0.2", "-time", "0.15"]
-    for ranks in (1, 2, 3):
+    for ranks in (1, 3):
         run(*words, "-output", f"ranks{ranks}.h5", ranks=ranks)
         if ranks > 1:
             compare(f"{ranks} ranks", steps("ranks1.h5")[-1][1], steps(f"ranks{ranks}.h5")[-1][1], 1e-9)

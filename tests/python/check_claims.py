@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Compares the numbers that pages claim with what the program finds.
 
-check_claims.py CLAIMS.csv [--all | --pages]. MPMSTAB names the program. Silent when all is well.
+check_claims.py CLAIMS.csv [--nightly | --all | --pages]. MPMSTAB names the program. Silent when all is well.
 
 A row of the file is a claim: its name, the page, the number as the page prints it, the command, where the result has the
 number, the tolerance, and when it is checked. On the page the number is followed by the comment <!-- claim NAME -->.
@@ -9,7 +9,8 @@ number, the tolerance, and when it is checked. On the page the number is followe
   kind    command is                       found is
   quick   a task of mpmstab with options   keys of its JSON such as critical.critical_courant, also less 1 or as a part:
                                            'growth - 1', 'map.unstable / 792'
-  slow    the same, checked with --all     the same
+  nightly the same, only with --nightly    the same
+  slow    the same, only with --all        the same
   table   the script that prints a table   the test in tests/CMakeLists.txt that compares it with the page
 
 The tolerance is a part of the number. --pages looks at the pages alone: each comment has its row, and each row its
@@ -28,7 +29,7 @@ import tempfile
 
 import numpy
 
-from checks import ROOT, check, text_of
+from checks import ROOT, check, forks, text_of
 
 MPMSTAB = os.environ.get("MPMSTAB", os.path.join(ROOT, "build", "mpmstab"))
 MARK = re.compile(r"([^\s|(]+)<!-- claim ([\w-]+) -->")
@@ -43,7 +44,7 @@ def claims_of(path):
     check(len(names) == len(set(names)), f"{path}: {[name for name in names if names.count(name) > 1]} twice")
     for row in rows:
         check(None not in row.values() and None not in row, f"{path}: {row['claim']}: not {len(COLUMNS)} columns")
-        check(row["kind"] in ("quick", "slow", "table"), f"{path}: {row['claim']}: kind {row['kind']}")
+        check(row["kind"] in ("quick", "nightly", "slow", "table"), f"{path}: {row['claim']}: kind {row['kind']}")
     return rows
 
 
@@ -124,8 +125,8 @@ def run(command):
     """Returns the JSON of a task."""
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "out.json")
-        done = subprocess.run([MPMSTAB, *shlex.split(command), "-json", out], cwd=ROOT, capture_output=True, text=True,
-                              check=False)
+        done = forks.run([MPMSTAB, *shlex.split(command), "-json", out], cwd=ROOT, capture_output=True, text=True,
+                         check=False)
         check(done.returncode in (0, 3) and os.path.exists(out), f"{command}: status {done.returncode}: {done.stderr}")
         with open(out, encoding="utf-8") as file:
             return json.load(file)
@@ -146,8 +147,8 @@ def check_all_powers():
     """docs/spectra.md: the largest norm(A^n) over all n up to 1000, from the blocks of the waves, which are orthogonal."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "blocks.npz")
-        subprocess.run([MPMSTAB, "symbol", "-formulation", "musl", "-courant", "1.73", "-write_blocks", path], check=True,
-                       stdout=subprocess.DEVNULL)
+        forks.run([MPMSTAB, "symbol", "-formulation", "musl", "-courant", "1.73", "-write_blocks", path], check=True,
+                  stdout=subprocess.DEVNULL)
         blocks = numpy.load(path)
         cells, blocks_at = blocks["d"].ravel(), blocks["A"]
     phases = 2 * numpy.pi * numpy.arange(33) / 64  # beta and -beta have conjugate blocks
@@ -168,7 +169,8 @@ def main():
     if "--pages" in sys.argv:
         return
     check_all_powers()
-    check_numbers([row for row in rows if row["kind"] == "quick" or (row["kind"] == "slow" and "--all" in sys.argv)])
+    kinds = {"--nightly": ("nightly",), "--all": ("quick", "nightly", "slow")}.get(sys.argv[-1], ("quick",))
+    check_numbers([row for row in rows if row["kind"] in kinds])
 
 
 if __name__ == "__main__":

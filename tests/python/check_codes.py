@@ -7,16 +7,15 @@ MPMSTAB names the program. Silent when all is well.
 import math
 import os
 import re
-import subprocess
 
-from checks import ROOT, check, text_of
+from checks import ROOT, check, forks, text_of
 
 MPMSTAB = os.environ["MPMSTAB"]
 MLS_MPM = "-formulation usl -transfer apic -gradient mls -basis quadratic"
 
 
 def printed(*words):
-    done = subprocess.run([MPMSTAB, *words], capture_output=True, text=True, check=False, timeout=60)
+    done = forks.run([MPMSTAB, *words], capture_output=True, text=True, check=False, timeout=60)
     check(done.returncode == 0, f"{' '.join(words)}: status {done.returncode}: {done.stderr}")
     return done.stdout
 

@@ -7,9 +7,10 @@ check_disordered.py; MPMSTAB names the program. Silent when all is well.
 import json
 import math
 import os
-import subprocess
 import sys
 import tempfile
+
+from checks import forks
 
 MPMSTAB = os.environ["MPMSTAB"]
 SAME = 1e-5  # limits by halving, with a tolerance of growth, and by an eigenvalue at -1
@@ -24,8 +25,8 @@ CASES = (("-formulation usl -basis quadratic -courant 0.9", 24, 10),
 
 def critical(words):
     """Returns what critical writes as JSON."""
-    done = subprocess.run([MPMSTAB, "critical", *words, "-json", "critical.json"], capture_output=True, text=True,
-                          timeout=120)
+    done = forks.run([MPMSTAB, "critical", *words, "-json", "critical.json"], capture_output=True, text=True,
+                     timeout=120)
     assert done.returncode == 0, (words, done.stderr)
     with open("critical.json", encoding="utf-8") as file:
         return json.load(file)["critical"], done.stdout

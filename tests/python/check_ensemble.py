@@ -6,12 +6,11 @@ check_ensemble.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when a
 import csv
 import json
 import math
-import subprocess
 import sys
 
 import numpy
 
-from checks import check
+from checks import check, forks
 
 CELLS, PPC, COURANT, JITTER, SEED, LAYOUTS = 20, 2, 1.3, 0.4, 5, 14
 SCENE = (f"-formulation elastic -cells {CELLS} -ppc {PPC} -courant {COURANT} -jitter {JITTER} -seed {SEED} "
@@ -51,7 +50,7 @@ def growth(seed):
 def run(mpiexec, mpmstab, ranks):
     name = f"ensemble_{ranks}"
     command = [mpiexec, "-n", str(ranks), mpmstab, "ensemble", *SCENE, "-json", name + ".json", "-csv", name + ".csv"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = forks.run(command, capture_output=True, text=True, check=False)
     check(done.returncode == 0 and done.stderr == "", f"{' '.join(command)}: {done.stderr}")
     with open(name + ".json") as file:
         result = json.load(file)

@@ -5,21 +5,20 @@ check_large_strain.py MPIEXEC PROGRAM. Silent when all is well.
 """
 import os
 import re
-import subprocess
 import sys
 import tempfile
 
 import h5py
 
-from checks import ROOT, check, loaded, text_of
+from checks import ROOT, check, forks, loaded, text_of
 
 MPIEXEC, PROGRAM = sys.argv[1:3]
 
 
 def launch(name, *options, ranks=1):
-    return subprocess.run([MPIEXEC, "-n", str(ranks), PROGRAM, "run",
-                           os.path.join(ROOT, "examples", name, "scene.yaml"), *options],
-                          capture_output=True, text=True, check=False)
+    return forks.run([MPIEXEC, "-n", str(ranks), PROGRAM, "run",
+                      os.path.join(ROOT, "examples", name, "scene.yaml"), *options],
+                     capture_output=True, text=True, check=False)
 
 
 def run(name, *options, ranks=1):

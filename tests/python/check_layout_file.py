@@ -85,7 +85,7 @@ def check_ranks():
     random.seed(1)
     write("random.csv", "x,y", [[8 * random.random(), 8 * random.random()] for _ in range(120)])
     words = "-formulation usl -dim 2 -basis quadratic -cells 8 -length 8 -layout random.csv -courant 0.4"
-    runs = [run(f"run {words} -initial random -steps 40", ranks)[1]["run"] for ranks in (1, 2, 3)]
+    runs = [run(f"run {words} -initial random -steps 40", ranks)[1]["run"] for ranks in (1, 3)]
     for other in runs[1:]:
         same(runs[0]["growth_measured"], other["growth_measured"], "a run on ranks", 1e-12)
     radii = [run(f"spectrum {words}", ranks)[1]["spectrum"] for ranks in (1, 2)]
@@ -98,7 +98,7 @@ def check_ranks():
 def check_random():
     """Particles anywhere: the same on any number of ranks, another layout for another seed, and kept in checkpoints."""
     words = "-formulation usl -dim 2 -basis quadratic -cells 8 -layout random -courant 0.3 -initial random"
-    runs = [run(f"run {words} -steps 20", ranks)[1]["run"]["growth_measured"] for ranks in (1, 2, 3)]
+    runs = [run(f"run {words} -steps 20", ranks)[1]["run"]["growth_measured"] for ranks in (1, 3)]
     for other in runs[1:]:
         same(runs[0], other, "a run on ranks", 1e-12)
     check(len({limit(f"usl -basis quadratic -cells 8 -layout random -seed {seed}") for seed in (1, 2)}) == 2, "seeds")
@@ -120,6 +120,8 @@ def check_many():
         for key in ("critical_courant", "growth"):
             same(one[key], three[key], f"{scheme}: {key} on three ranks", 1e-9)
         check(one["mode_fastest"]["id"] == three["mode_fastest"]["id"], f"{scheme}: the fastest particle")
+        if "usl" not in scheme:
+            continue  # to find all eigenvalues takes seconds
         for at, growth in ((courant, one["growth"]), (one["critical_courant"] * (1 - 1e-6), 1)):
             same(run(f"spectrum {scene} {at!r}")[1]["spectrum"]["spectral_radius"], growth, f"{scheme} at {at}")
         beyond = run(f"spectrum {scene} {one['critical_courant'] * (1 + 1e-5)!r}")[1]["spectrum"]

@@ -7,12 +7,11 @@ check_layout_limits.py MPIEXEC MPMSTAB [LAYOUTS [SEED]], in a folder that may be
 import itertools
 import json
 import math
-import subprocess
 import sys
 
 import numpy
 
-from checks import check
+from checks import check, forks
 
 FIELDS = ("volume", "mass", "young", "fixed")
 
@@ -101,8 +100,8 @@ def look(case, x, field):
             file.write(",".join(repr(float(number)) for number in [*place, *(field[name][p] for name in FIELDS)]) + "\n")
     words = ["-dim", case["dim"], "-basis", case["basis"], "-cells", case["cells"], "-length", case["cells"],
              *(["-poisson", case["poisson"]] if case["dim"] > 1 else []), *(["-boundary", "symmetry"] if case["walls"] else [])]
-    done = subprocess.run([sys.argv[2], "critical", case["formulation"], *(str(word) for word in words), "-layout", "layout.csv",
-                           "-step_bound_sweeps", "3", "-json", "out.json"], capture_output=True, text=True, check=False)
+    done = forks.run([sys.argv[2], "critical", case["formulation"], *(str(word) for word in words), "-layout", "layout.csv",
+                      "-step_bound_sweeps", "3", "-json", "out.json"], capture_output=True, text=True, check=False)
     check(done.returncode == 0, f"{case}: {done.stderr}")
     with open("out.json", encoding="utf-8") as file:
         found = json.load(file)["critical"]

@@ -11,7 +11,7 @@ import sys
 import numpy
 
 import falling_fluid as mpm88
-from checks import check, loaded
+from checks import check, forks, loaded
 
 SCHEME = "usl -transfer apic -gradient mls -basis quadratic -dim 2 -cells 16 -length 1 -poisson 0.5 -density 1 -wave_speed 20"
 
@@ -29,8 +29,8 @@ def growth(x, J, dt, steps):
 def main():
     program = os.path.join(os.path.dirname(os.path.abspath(__file__)), "falling_fluid.py")
     subprocess.run([sys.executable, program, "particles.csv"], check=True, capture_output=True)
-    done = subprocess.run([sys.argv[2], "critical", *SCHEME.split(), "-layout", "particles.csv", "-write_layout", "found.csv",
-                           "-json", "found.json"], capture_output=True, text=True, check=False)
+    done = forks.run([sys.argv[2], "critical", *SCHEME.split(), "-layout", "particles.csv", "-write_layout", "found.csv",
+                      "-json", "found.json"], capture_output=True, text=True, check=False)
     check(done.returncode == 0, done.stderr)
     found = loaded("found.json")["critical"]
     limit = found["critical_dt"]

@@ -11,10 +11,9 @@ import os
 import pathlib
 import re
 import struct
-import subprocess
 import sys
 
-from checks import ROOT, check, check_one_line
+from checks import ROOT, check, check_one_line, forks
 
 FIELDS = 62   # of particles beside v and s, and of nodes beside v_i and a_i: 128 in all
 MARCHED = 50  # a line of the step for each
@@ -56,8 +55,8 @@ def answer(width, error):
 
 
 def start(mpmstab, *words, **environment):
-    return subprocess.run([mpmstab, *words], capture_output=True, text=True, check=False, timeout=60,
-                          env={**os.environ, **environment}, errors="replace")
+    return forks.run([mpmstab, *words], capture_output=True, text=True, check=False, timeout=60,
+                     env={**os.environ, **environment}, errors="replace")
 
 
 def write(path, text):

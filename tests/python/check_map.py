@@ -12,7 +12,7 @@ from fractions import Fraction
 import h5py
 import numpy
 
-from checks import check
+from checks import check, forks
 
 CELLS = 8
 SCENE = f"-cells {CELLS} -ppc 1 -map_courant 1/10,1 -map_drift 0,1/2 -map_points 4,5".split()
@@ -42,14 +42,14 @@ def growth(courant, drift):
 def check_mach(mpiexec, mpmstab):
     """Critical with a Mach number: the summary is that of the rows, on any number of ranks."""
     texts = []
-    for ranks in (1, 2, 3):
-        done = subprocess.run([mpiexec, "-n", str(ranks), mpmstab, "critical", "-formulation", "usl", "-ppc", "1",
-                               "-mach", "1/3", "-sound_speed", "10", "-cell_width", "0.1", "-json", "mach.json", "-csv", "mach.csv"],
-                              capture_output=True, text=True, check=False)
+    for ranks in (1, 3):
+        done = forks.run([mpiexec, "-n", str(ranks), mpmstab, "critical", "-formulation", "usl", "-ppc", "1",
+                          "-mach", "1/3", "-sound_speed", "10", "-cell_width", "0.1", "-json", "mach.json", "-csv", "mach.csv"],
+                         capture_output=True, text=True, check=False)
         check(done.returncode == 0 and done.stderr == "", done.stderr)
         with open("mach.csv") as file:
             texts.append(file.read())
-    check(texts[0] == texts[1] == texts[2], "critical -mach depends on the number of ranks")
+    check(texts[0] == texts[1], "critical -mach depends on the number of ranks")
     with open("mach.json") as file:
         found = json.load(file)["critical"]
     rows = list(csv.DictReader(texts[0].splitlines()))
@@ -69,8 +69,8 @@ def check_mach(mpiexec, mpmstab):
 def run(mpiexec, mpmstab, ranks):
     name = f"map_{ranks}"
     files = ["-json", name + ".json", "-csv", name + ".csv", "-output", name + ".h5"]
-    done = subprocess.run([mpiexec, "-n", str(ranks), mpmstab, "map", *SCENE, *files], capture_output=True, text=True,
-                          check=False)
+    done = forks.run([mpiexec, "-n", str(ranks), mpmstab, "map", *SCENE, *files], capture_output=True, text=True,
+                     check=False)
     check(done.returncode == 0 and done.stderr == "", done.stderr)
     with open(name + ".json") as file:
         result = json.load(file)
@@ -89,8 +89,8 @@ def run(mpiexec, mpmstab, ranks):
 
 def check_letters(mpmstab):
     """Checks that the terminal shows every third row and every second column of a large map, from its corner on."""
-    done = subprocess.run([mpmstab, "map", "-cells", "8", "-map_points", "60,70", "-csv", "large.csv"],
-                          capture_output=True, text=True, check=True)
+    done = forks.run([mpmstab, "map", "-cells", "8", "-map_points", "60,70", "-csv", "large.csv"],
+                     capture_output=True, text=True, check=True)
     lines = done.stdout.splitlines()
     lines = [line.split() for line in lines[lines.index("courant") + 1:lines.index("          drift 0 to 0.5")]]
     with open("large.csv") as file:
@@ -107,9 +107,9 @@ def check_letters(mpmstab):
 
 def check_plane(mpmstab):
     """Checks that a map in two dimensions has a phase in each direction, in the CSV and in the HDF5 file."""
-    subprocess.run([mpmstab, "map", "-dim", "2", "-formulation", "usl", "-cells", "4", "-map_axes", "courant,poisson",
-                    "-map_points", "3,2", "-csv", "plane.csv", "-output", "plane.h5", "-json", "plane.json"],
-                   stdout=subprocess.DEVNULL, check=True)
+    forks.run([mpmstab, "map", "-dim", "2", "-formulation", "usl", "-cells", "4", "-map_axes", "courant,poisson",
+               "-map_points", "3,2", "-csv", "plane.csv", "-output", "plane.h5", "-json", "plane.json"],
+              stdout=subprocess.DEVNULL, check=True)
     with open("plane.csv") as file:
         rows = list(csv.DictReader(file))
     with open("plane.json") as file:
@@ -128,17 +128,17 @@ def check_refined(mpmstab):
     scene = ["-formulation", "gas2", "-ppc", "2"]
     said = {}
     for more in ([], ["-refine"]):
-        done = subprocess.run([mpmstab, "map", *scene, "-map_courant", "0.1,0.2", "-map_drift", "0,1/3", "-map_points",
-                               "2,2", "-csv", "refined.csv", "-json", "refined.json", *more], capture_output=True,
-                              text=True, check=True)
+        done = forks.run([mpmstab, "map", *scene, "-map_courant", "0.1,0.2", "-map_drift", "0,1/3", "-map_points",
+                          "2,2", "-csv", "refined.csv", "-json", "refined.json", *more], capture_output=True,
+                         text=True, check=True)
         with open("refined.json") as file:
             found = json.load(file)["map"]
         said[bool(more)] = found["unstable"], "-refine looks for it" in done.stdout, found.get("refined", False)
     check(said == {False: (0, True, False), True: (2, False, True)}, f"without and with -refine: {said}")
     with open("refined.csv") as file:
         row = list(csv.DictReader(file))[1]
-    subprocess.run([mpmstab, "symbol", *scene, "-courant", "0.1", "-drift", "1/3", "-refine", "-json", "symbol.json"],
-                   stdout=subprocess.DEVNULL, check=True)
+    forks.run([mpmstab, "symbol", *scene, "-courant", "0.1", "-drift", "1/3", "-refine", "-json", "symbol.json"],
+              stdout=subprocess.DEVNULL, check=True)
     with open("symbol.json") as file:
         refined = json.load(file)["refined"]
     check(float(row["growth"]) == refined["growth"] > 1.0007 and

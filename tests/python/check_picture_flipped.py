@@ -11,7 +11,7 @@ import subprocess
 import sys
 import time
 
-from checks import check
+from checks import check, forks
 import pictures
 from program import end_in_one_line
 
@@ -28,8 +28,8 @@ KINDS = [("frames", "plane"), ("frames", "run"), ("map", "map"), ("modes", "spec
 
 def make(mpmstab):
     for name, words in FILES.items():
-        subprocess.run([mpmstab, *words.split(), *SCENE, "-output", f"{name}.h5", "-json", f"{name}.json"], check=True,
-                       stdout=subprocess.DEVNULL)
+        forks.run([mpmstab, *words.split(), *SCENE, "-output", f"{name}.h5", "-json", f"{name}.json"], check=True,
+                  stdout=subprocess.DEVNULL)
 
 
 def drawn(*words):

@@ -6,12 +6,11 @@ check_plastic.py MPIEXEC MPMSTAB. Silent when all is well.
 import json
 import math
 import os
-import subprocess
 import sys
 
 import numpy as np
 
-from checks import check, check_same_runs, loaded, on_ranks, particles
+from checks import check, check_same_runs, forks, loaded, on_ranks, particles
 
 MPMSTAB = sys.argv[-1]
 EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../examples")
@@ -20,6 +19,7 @@ NOISE = "-kinematics finite -formulation usl -basis quadratic -cells 32 -initial
 LIVES = {"mises": "-material mises -yield 0.05 -hardening 0.3", "snow": "-material snow", "sand": "-material sand"}
 FLOWS = {"mises": "-material mises -yield 0.002 -saturation 0.01", "snow": "-material snow -hardening 5",
          "sand": "-material sand", "clay": "-material clay -yield 0.002"}
+DIMS = {"mises": (1, 3), "snow": (2,), "sand": (3,), "clay": (2,)}  # each law in one at least
 INTERNAL = {"mises": "plastic_strain", "snow": "plastic_volume", "sand": "volume_gain", "clay": "plastic_loss"}
 
 
@@ -71,7 +71,7 @@ def fronts_of(path, first, velocity):
 
 def check_steps():
     """The step of courant auto lives, and 1.1 times the largest stable one does not, by the moduli after the first step."""
-    subprocess.run([MPMSTAB, "critical", "-formulation", "usl", "-basis", "quadratic", "-json", "lattice.json"], check=True, capture_output=True)
+    forks.run([MPMSTAB, "critical", "-formulation", "usl", "-basis", "quadratic", "-json", "lattice.json"], check=True, capture_output=True)
     with open("lattice.json", encoding="utf-8") as file:
         lattice = json.load(file)["critical"]["critical_courant"]
     for name, words in LIVES.items():
@@ -95,7 +95,7 @@ def check_steps():
 def check_ranks():
     """A run that resumes is one that does not end; other ranks and the plain march have the same particles."""
     for name, words in FLOWS.items():
-        for dim in (1, 2, 3):
+        for dim in DIMS[name]:
             scene = ["-kinematics", "finite", "-formulation", "musl", "-basis", "quadratic", "-dim", str(dim), "-cells", "12,5,5"[:(2, 4, 6)[dim - 1]],
                      "-initial", "random", "-amplitude", "0.02", "-mach", "0.3" + ",0" * (dim - 1), "-courant", "0.3", *words.split()]
             whole = check_same_runs(done, f"{name}, dim {dim}", *scene)
@@ -104,7 +104,7 @@ def check_ranks():
 
     bodies = "[{shape: sphere, center: [6,8], radius: 2, velocity: [0.1,0]}, {shape: sphere, center: [11,8], radius: 2, velocity: [-0.1,0]}]"
     tangents = []
-    for ranks in (1, 2, 3):  # clay without a load stands on the yield surface, and rounding does not say on which side
+    for ranks in (1, 3):  # clay without a load stands on the yield surface, and rounding does not say on which side
         done(ranks, "-kinematics", "finite", "-formulation", "musl", "-dim", "2", "-cells", "16,16", "-cell_width", "1", "-boundary", "fixed",
              "-basis", "quadratic", "-ppc", "2", "-courant", "0.2", "-steps", "20", "-material", "clay", "-yield", "1e-4",
              "-bodies", bodies, "-tangent", "random", "-json", "t.json")
@@ -136,23 +136,15 @@ def check_surface():
     """A uniform state on the yield surface has two tangents, and the larger growth counts."""
     for material, courant, word in (("mises -hardening 0.01", "2.2", "unloading"), ("mises -hardening 0.01", "0.5", ""), ("snow", "2.2", "unloading"),
                                     ("sand -friction_angle 20", "2.2", "unloading"), ("clay", "2.2", "unloading")):
-        process = subprocess.run([MPMSTAB, "spectrum", *"-kinematics finite -formulation usl -basis cubic -cells 8 -lame_ratio 1".split(),
-                                  *f"-stretch 0.9 -initial uniform -at_step 3 -material {material} -courant {courant}".split()],
-                                 capture_output=True, text=True, check=False)
+        process = forks.run([MPMSTAB, "spectrum", *"-kinematics finite -formulation usl -basis cubic -cells 8 -lame_ratio 1".split(),
+                             *f"-stretch 0.9 -initial uniform -at_step 3 -material {material} -courant {courant}".split()],
+                            capture_output=True, text=True, check=False)
         said = process.stdout
         check("16 particles stand on the yield surface: growth " in said and word + " counts" in said, f"{said}{process.stderr}")
         check(("verdict: unstable" in said) == (courant == "2.2"), said)
 
 
-def check_column():
-    """A column of sand runs out by 1.2 times its height (Lube et al. 2005), to 20 % on this coarse grid."""
-    done(1, EXAMPLES + "/sand-column/scene.yaml", "-output", "column.h5")
-    way = particles("column.h5")["coordinates"][:, 0].max() - 1
-    check(abs(way / (1.2 * 20 / 12) - 1) < 0.2, f"a column of sand runs out by {way}")
-
-
 check_wave()
-check_column()
 check_steps()
 check_ranks()
 check_refusals()

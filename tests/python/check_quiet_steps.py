@@ -9,17 +9,16 @@ import csv
 import glob
 import json
 import os
-import subprocess
 import sys
 
-from checks import ROOT, check
+from checks import ROOT, check, forks
 
 MPMSTAB = os.environ["MPMSTAB"]
 FOLDER = os.path.join(ROOT, "examples", "quiet-steps")
 
 
 def growth(*words):
-    done = subprocess.run([MPMSTAB, "symbol", *words, "-json", "quiet.json"], capture_output=True, text=True, timeout=60)
+    done = forks.run([MPMSTAB, "symbol", *words, "-json", "quiet.json"], capture_output=True, text=True, timeout=60)
     check(done.returncode == 0, f"{words}: {done.stderr}")
     with open("quiet.json", encoding="utf-8") as file:
         return json.load(file)["growth"]
@@ -38,7 +37,7 @@ def check_grows():
     check(len(scenes) == 11, f"{len(scenes)} scenes")
     for scene in scenes:
         for words, status in ((), 0), (("-drift", "0"), 3):
-            done = subprocess.run([MPMSTAB, "spectrum", scene, "-measure", "false", *words], capture_output=True, text=True, timeout=60)
+            done = forks.run([MPMSTAB, "spectrum", scene, "-measure", "false", *words], capture_output=True, text=True, timeout=60)
             check(done.returncode == status, f"{scene} {words}: status {done.returncode}: {done.stderr}")
 
 

@@ -9,13 +9,12 @@ import json
 import os
 import pathlib
 import shutil
-import subprocess
 import sys
 
 import numpy
 
 import checks
-from checks import check, loaded
+from checks import check, forks, loaded
 
 ROOT = pathlib.Path(checks.ROOT)
 PART, CC, MPIEXEC, MPMSTAB = sys.argv[1:]
@@ -30,7 +29,7 @@ def run(*words, ranks=1):
     """Runs a command; returns what mpmstab writes as JSON."""
     launch = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
     words = [str(word) for word in words] + (["-json", "out.json"] if words[0] == MPMSTAB else [])
-    done = subprocess.run([*launch, *words], capture_output=True, text=True, check=False, env=ENVIRONMENT)
+    done = forks.run([*launch, *words], capture_output=True, text=True, check=False, env=ENVIRONMENT)
     check(done.returncode == 0, f"{words}: status {done.returncode}, {done.stdout[-600:]} {done.stderr[-600:]}")
     return loaded("out.json") if words[0] == MPMSTAB else None
 

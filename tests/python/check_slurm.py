@@ -7,10 +7,9 @@ checked.
 import os
 import re
 import shutil
-import subprocess
 import sys
 
-from checks import ROOT, check, loaded, text_of
+from checks import ROOT, check, forks, loaded, text_of
 
 MPIEXEC, MPMSTAB = sys.argv[1:]
 FOLDER = os.path.join(ROOT, "examples", "slurm")
@@ -20,8 +19,8 @@ SRUN = f'#!/bin/sh\nwhile case $1 in --*) true ;; *) false ;; esac; do shift; do
 
 def run(*command, **environment):
     path = os.pathsep.join((os.getcwd(), os.environ["PATH"]))
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=100,
-                          env={**os.environ, "PATH": path, "MPMSTAB": MPMSTAB, **environment})
+    return forks.run(command, capture_output=True, text=True, check=False, timeout=100,
+                     env={**os.environ, "PATH": path, "MPMSTAB": MPMSTAB, **environment})
 
 
 for reader in ([["bash", "-n"]] + ([["shellcheck"]] if shutil.which("shellcheck") else [])):

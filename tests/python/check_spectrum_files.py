@@ -7,13 +7,12 @@ import csv
 import json
 import math
 import os
-import subprocess
 import sys
 
 import h5py
 import numpy
 
-from checks import check
+from checks import check, forks
 
 CELLS, PPC, COURANT, MODES = 15, 2, 1.9, 5
 SCENE = f"-formulation gas2 -cells {CELLS} -ppc {PPC} -courant {COURANT} -offset 0.3".split()
@@ -33,7 +32,7 @@ def run(mpiexec, mpmstab, ranks, task, *options):
             os.remove(name + ending)
     command = [mpiexec, "-n", str(ranks), mpmstab, task, *SCENE, *options, "-output", name + ".h5", "-json",
                name + ".json", "-csv", name + ".csv"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = forks.run(command, capture_output=True, text=True, check=False)
     check(done.returncode == 0 and done.stderr == "", f"{' '.join(command)}: {done.stderr}")
     left = [f for f in os.listdir(".") if f.endswith((".part", ".xmf")) and f.startswith(task)]
     check(not left, f"left behind: {left}")
@@ -163,7 +162,7 @@ def check_plane(mpiexec, mpmstab, ranks):
     """Two dimensions: the files have all phases, x fastest, and JSON lists of two."""
     command = [mpiexec, "-n", str(ranks), mpmstab, "symbol", *"-dim 2 -formulation usl -ppc 1 -courant 0.8 -poisson".split(),
                "0.2", *"-cells 6,4 -output plane.h5 -json plane.json -csv plane.csv".split()]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = forks.run(command, capture_output=True, text=True, check=False)
     check(done.returncode == 0 and done.stderr == "", f"{' '.join(command)}: {done.stderr}")
     with h5py.File("plane.h5", "r") as file:
         beta, growth, factors = (file[f"symbol/{key}"][:] for key in ("beta", "growth", "factors"))
@@ -191,7 +190,7 @@ def check_turned(mpmstab):
     for command in (["spectrum", *scene, "-modes", "1", "-output", "turned.h5"], None,
                     ["run", *scene, "-initial", "eigenmode", "-mode_file", "turned.h5", "-json", "turned.json"]):
         if command:
-            done = subprocess.run([mpmstab, *command], capture_output=True, text=True, check=False)
+            done = forks.run([mpmstab, *command], capture_output=True, text=True, check=False)
             check(done.returncode == 0, f"{command}: {done.stderr}")
             continue
         with h5py.File("turned.h5", "r+") as file:
@@ -229,7 +228,7 @@ def check_tampered(mpmstab):
             values[...] = 0
 
     scene = "-formulation gas2 -cells 8 -courant 2.05".split()
-    subprocess.run([mpmstab, "spectrum", *scene, "-modes", "1", "-output", "whole.h5"], capture_output=True, check=True)
+    forks.run([mpmstab, "spectrum", *scene, "-modes", "1", "-output", "whole.h5"], capture_output=True, check=True)
     with open("whole.h5", "rb") as file:
         whole = file.read()
     for change, why in ((array, "no cells in it"), (text, "no cells in it"),
@@ -241,8 +240,8 @@ def check_tampered(mpmstab):
         if change:
             with h5py.File("tampered.h5", "r+") as file:
                 change(file)
-        done = subprocess.run([mpmstab, "run", *scene, "-initial", "eigenmode", "-mode_file", "tampered.h5"],
-                              capture_output=True, text=True, check=False)
+        done = forks.run([mpmstab, "run", *scene, "-initial", "eigenmode", "-mode_file", "tampered.h5"],
+                         capture_output=True, text=True, check=False)
         lines = done.stderr.splitlines()
         check(done.returncode == 2 and len(lines) == 1 and
               lines[0].startswith(f"mpmstab: mode_file tampered.h5: {why}; allowed: "), f"{why}: {done.stderr}")
@@ -258,13 +257,13 @@ def check_balanced(mpmstab):
     mode = ["run", *bar, "-steps", "60", "-initial", "eigenmode", "-mode_file", "bar.h5", "-json", "bar.json"]
     for options in (["spectrum", *bar, "-inclusion", "0,4", "-output", "bar.h5", "-measure", "false"],
                     [*mode, "-inclusion", "0,4"]):
-        done = subprocess.run([mpmstab, *options], capture_output=True, text=True, check=False)
+        done = forks.run([mpmstab, *options], capture_output=True, text=True, check=False)
         check(done.returncode == 0, f"{options}: {done.stderr}")
     with open("bar.json") as file:
         found = json.load(file)
     check(found["growth"] > 1.01 and math.isclose(found["growth"], found["predicted"]["eigenmode"], rel_tol=1e-9),
           f"growth {found['growth']}, eigenvalue {found['predicted']['eigenmode']}")
-    done = subprocess.run([mpmstab, *mode, "-inclusion", "1,2"], capture_output=True, text=True, check=False)
+    done = forks.run([mpmstab, *mode, "-inclusion", "1,2"], capture_output=True, text=True, check=False)
     check(done.returncode == 2 and "its inclusion_from is 0, the scene's is 1; allowed: the same" in done.stderr,
           f"a mode of another bar: {done.stderr}")
 
@@ -272,7 +271,7 @@ def check_balanced(mpmstab):
 def check_critical(mpmstab):
     """Checks the JSON and CSV of critical: a limit with its reason, no limit, and a survey of all schemes."""
     def ask(*options):
-        done = subprocess.run([mpmstab, "critical", *options], capture_output=True, text=True, check=False)
+        done = forks.run([mpmstab, "critical", *options], capture_output=True, text=True, check=False)
         check(done.returncode == 0, f"critical {options}: {done.stderr}")
 
     ask("-formulation", "usl", "-json", "usl.json", "-csv", "usl.csv")

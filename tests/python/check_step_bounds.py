@@ -5,12 +5,11 @@ dimensions, with hats, quadratic and cubic splines, one to four particles a cell
 check_step_bounds.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
 import math
-import subprocess
 import sys
 
 import numpy as np
 
-from checks import check, loaded
+from checks import check, forks, loaded
 
 LIMIT, BOUND = 1e-5, 1e-8
 
@@ -135,7 +134,7 @@ def compare(rng, case, dim, degree, ppc, voids, two, walls):
         words = (f"critical {formulation} -dim {dim} -basis {('linear', 'quadratic', 'cubic')[degree - 1]} "
                  f"-cells {','.join(map(str, cells))} -cell_width {h} -density {rho} -sound_speed {c} "
                  f"-boundary {boundary} -layout layout.csv -json out.json -step_bound_sweeps 3")
-        done = subprocess.run([sys.argv[2], *words.split()], capture_output=True, text=True, check=False)
+        done = forks.run([sys.argv[2], *words.split()], capture_output=True, text=True, check=False)
         check(done.returncode == 0, f"{case}, {words}: {done.stderr}")
         found = loaded("out.json")["critical"]
         bounds = found["bounds"]

@@ -5,19 +5,18 @@ check_transfer_diagnostics.py MPIEXEC MPMSTAB, in a folder that may be filled. S
 """
 import csv
 import json
-import subprocess
 import sys
 
 import h5py
 import numpy
 
-from checks import check
+from checks import check, forks
 
 CELLS, STEPS = 12, 9
 # Each line has a scene, its fields, drift and basis, and the ranks that run it.
 SCENES = [
-    ("-drift 2/7 -courant 0.4 -initial random", "ur", 2 / 7, "linear", (1, 2, 3)),
-    ("-jitter 0.7 -drift -0.3 -courant 0.4 -ppc 3 -initial random", "ur", -0.3, "linear", (1, 2, 3)),
+    ("-drift 2/7 -courant 0.4 -initial random", "ur", 2 / 7, "linear", (1, 3)),
+    ("-jitter 0.7 -drift -0.3 -courant 0.4 -ppc 3 -initial random", "ur", -0.3, "linear", (1, 2)),
     ("-formulation musl -basis quadratic -drift 1.4 -courant 0.4 -ppc 2 -initial random", "vs", 1.4, "quadratic",
      (1, 2)),
     ("-formulation elastic -drift 0.21 -transfer nullspace -courant 0.4", "uw", 0.21, "linear", (1, 2)),
@@ -86,8 +85,8 @@ def run(mpiexec, mpmstab, number, ranks):
     name = f"diagnostics_{number}_{ranks}"
     asked = ["-source_term", "true", "-ringing", "true"] + (["-weights", "true"] if basis == "linear" else [])
     files = ["-csv", name + ".csv", "-json", name + ".json", "-output", name + ".h5", "-output_every", "1"]
-    done = subprocess.run([mpiexec, "-n", str(ranks), mpmstab, "run", *scene.split(), "-cells", str(CELLS), "-steps",
-                           str(STEPS), *asked, *files], capture_output=True, text=True, check=False)
+    done = forks.run([mpiexec, "-n", str(ranks), mpmstab, "run", *scene.split(), "-cells", str(CELLS), "-steps",
+                      str(STEPS), *asked, *files], capture_output=True, text=True, check=False)
     check(done.returncode == 0 and done.stderr == "", f"{scene}: {done.stderr}")
     with open(name + ".csv") as file:
         rows = list(csv.DictReader(file))

@@ -4,10 +4,9 @@
 check_units.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
 import math
-import subprocess
 import sys
 
-from checks import ROOT, check, loaded
+from checks import ROOT, check, forks, loaded
 
 PLANE = "-dim 2 -formulation usl -basis quadratic -transfer apic -gradient mls"
 SMALL = f"{PLANE} -cells 8,4 -initial random -steps 60"  # cells an eighth wide: norms differ by powers of two
@@ -20,8 +19,8 @@ LONE_PAGE = "-cells 6 -ppc 1 -fill 3,4,3,4"
 
 def run(words, ranks=1, status=0):
     """Runs the program with -json and returns its lines and the JSON object."""
-    done = subprocess.run([sys.argv[1], "-n", str(ranks), sys.argv[2], *words.split(), "-json", "units.json"],
-                          capture_output=True, text=True, check=False)
+    done = forks.run([sys.argv[1], "-n", str(ranks), sys.argv[2], *words.split(), "-json", "units.json"],
+                     capture_output=True, text=True, check=False)
     check(done.returncode == status, f"{words}: status {done.returncode}: {done.stderr}")
     return done.stdout.splitlines(), loaded("units.json")
 

@@ -3,12 +3,11 @@
 
 check_viscous.py MPIEXEC MPMSTAB. Silent when all is well.
 """
-import subprocess
 import sys
 
 import numpy as np
 
-from checks import check, check_one_line, check_same_runs, loaded, on_ranks, particles
+from checks import check, check_one_line, check_same_runs, forks, loaded, on_ranks, particles
 
 MPMSTAB = sys.argv[-1]
 SHOCK = "-kinematics finite -formulation musl -basis quadratic -ppc 4 -material gas -initial shock_tube -boundary fixed -courant 0.2 -time 0.15"
@@ -90,8 +89,8 @@ def check_steps():
     """
     lattice = "-dim 2 -basis quadratic -cells 8,8 -ppc 2 -shear_viscosity 8"
     for scheme in ("musl", "usl"):
-        process = subprocess.run([MPMSTAB, "critical", *f"{lattice} -formulation {scheme} -poisson 0.5 -json limit.json".split()],
-                                 capture_output=True, text=True, check=False)
+        process = forks.run([MPMSTAB, "critical", *f"{lattice} -formulation {scheme} -poisson 0.5 -json limit.json".split()],
+                            capture_output=True, text=True, check=False)
         check(process.returncode == 0, process.stderr)
         limit = loaded("limit.json")["critical"]["critical_courant"]
         for liquid in ("tait", "herschel_bulkley -yield 1"):

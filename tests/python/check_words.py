@@ -13,13 +13,13 @@ import subprocess
 import jsonschema
 import yaml
 
-from checks import ROOT, check, text_of
+from checks import ROOT, check, forks, text_of
 
 MPMSTAB = os.environ["MPMSTAB"]
 
 
 def told(words, status=0):
-    done = subprocess.run([MPMSTAB, *words.split()], capture_output=True, text=True, check=False, timeout=60)
+    done = forks.run([MPMSTAB, *words.split()], capture_output=True, text=True, check=False, timeout=60)
     check(done.returncode == status, f"{words}: status {done.returncode}: {done.stderr}")
     return done.stderr if status else done.stdout
 

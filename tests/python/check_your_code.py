@@ -17,7 +17,7 @@ import numpy
 import scipy.io
 
 import checks
-from checks import check
+from checks import check, forks
 
 ROOT = pathlib.Path(checks.ROOT)
 CC, MPMSTAB = sys.argv[1:]
@@ -30,7 +30,7 @@ sys.dont_write_bytecode = True
 
 def run(*words):
     """Runs a command, and returns what it prints."""
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False, env=ENVIRONMENT)
+    done = forks.run([str(word) for word in words], capture_output=True, text=True, check=False, env=ENVIRONMENT)
     check(done.returncode == 0, f"{' '.join(map(str, words))}: {done.stderr[-1000:]}")
     return done.stdout
 
@@ -99,10 +99,13 @@ def shared(name, compiler, *sources, flags=()):
     run(compiler, "-O2", "-fPIC", "-shared", INCLUDE, *flags, "-o", name, *sources, "-lm")
 
 
+MODULES = ["bar.o", "mpmstab_hook.o", "mpmstab_probe.o", "-lm"]  # of Fortran, which languages() compiles
+
+
 def check_fortran_refuses():
     """A part of structures as a whole, of which compilers give a copy or a wrong address, what is no target, and copies."""
     text = checks.text_of(CODE / "hook_structures.f90")
-    build = ["gfortran", "-o", "wrong", CODE / "bar.f90", CODE / "mpmstab_hook.f90", "wrong.f90", "mpmstab_probe.o", "-lm"]
+    build = ["gfortran", "-o", "wrong", "wrong.f90", *MODULES]
     for says, *changes in (("stress: it is a part of structures; needed: p(1)%stress", ("p(1)%stress, p(2)%stress, particles", "p%stress")),
                            ("x: the second particle does not come after the first", ("p(1)%x, p(2)%x", "p(2)%x, p(1)%x")),
                            ("no field moved in 5 steps: is a copy registered?", ("p(particles)", "p(particles), q(particles)"),
@@ -138,11 +141,10 @@ def languages():
         found["Octave"] = ["octave-cli", "-q", "--path", CODE, CODE / "hook.m"]
     if shutil.which("gfortran"):
         run(CC, "-x", "c", "-DMPMSTAB_PROBE_API=", "-c", ROOT / "include/mpmstab_probe.h", "-o", "mpmstab_probe.o")
-        run("gfortran", "-Wall", "-Werror", "-o", "hook_f", CODE / "bar.f90", CODE / "mpmstab_hook.f90", CODE / "hook.f90",
-            "mpmstab_probe.o", "-lm")
+        run("gfortran", "-Wall", "-Werror", "-c", CODE / "bar.f90", CODE / "mpmstab_hook.f90")
+        run("gfortran", "-Wall", "-Werror", "-o", "hook_f", CODE / "hook.f90", *MODULES)
         found["Fortran"] = ["./hook_f"]
-        run("gfortran", "-Wall", "-Werror", "-o", "hook_s", CODE / "bar.f90", CODE / "mpmstab_hook.f90",
-            CODE / "hook_structures.f90", "mpmstab_probe.o", "-lm")
+        run("gfortran", "-Wall", "-Werror", "-o", "hook_s", CODE / "hook_structures.f90", *MODULES)
         found["Fortran, structures"] = ["./hook_s"]
         check_fortran_refuses()
     missing = {"C++", "Octave", "Fortran"} - set(found)
@@ -417,8 +419,8 @@ def check_blocks_refused(path):
             ("% at: inf; allowed: finite numbers", (places[3], "% at: inf")),
             ("its cells differ by", (lines[-1], f"{last[0]} {last[1]} {float(last[2]) + 1e-4}")),
             ("no cell away from its edges", *far)):
-        done = subprocess.run([MPMSTAB, "symbol", "-matrix_blocks", edited(path, *changes)], capture_output=True, text=True,
-                              check=False)
+        done = forks.run([MPMSTAB, "symbol", "-matrix_blocks", edited(path, *changes)], capture_output=True, text=True,
+                         check=False)
         check(done.returncode == 2 and says in done.stderr and len(done.stderr.splitlines()) == 1, f"{says}: {done.stderr}")
 
 
@@ -495,7 +497,7 @@ def check_crash():
 int mpmstab_step(int steps, int64_t particles, double state[]) {{ return raise(SIGABRT); }}
 ''', encoding="utf-8")
     shared("./libcrash.so", CC, "crash.c")
-    done = subprocess.run([MPMSTAB, "spectrum", "-plugin", "./libcrash.so"], capture_output=True, text=True, check=False)
+    done = forks.run([MPMSTAB, "spectrum", "-plugin", "./libcrash.so"], capture_output=True, text=True, check=False)
     check(done.returncode == 2 and done.stderr == "mpmstab: plugin ./libcrash.so: the library was ended by signal 6 (Aborted)\n",
           f"crash: status {done.returncode}, {done.stderr}")
 

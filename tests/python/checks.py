@@ -9,7 +9,9 @@ import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SCRIPTS = os.path.join(ROOT, "scripts")
-sys.path[1:1] = [SCRIPTS, os.path.join(SCRIPTS, "report"), os.path.join(SCRIPTS, "bench")]
+sys.path[1:1] = [os.path.join(ROOT, "tests", "support"), SCRIPTS, os.path.join(SCRIPTS, "report"),
+                 os.path.join(SCRIPTS, "bench")]
+import forks  # short commands, without loading the libraries of mpmstab for each
 
 
 def check(condition, message):
@@ -27,7 +29,7 @@ def run_script(name, *arguments, **how):
 def on_ranks(ranks, *command, **how):
     """Runs a command on so many ranks, and waits for its end. The last two arguments of a check are mpiexec and mpmstab."""
     launch = [sys.argv[-2], "-q", "-n", str(ranks)] if ranks > 1 else []
-    return subprocess.run([*launch, *command], capture_output=True, text=True, check=False, **how)
+    return forks.run([*launch, *command], capture_output=True, text=True, check=False, **how)
 
 
 def check_one_line(done, what, says, status=2):
@@ -59,9 +61,9 @@ def check_same_runs(run, what, *scene):
 
     run(ranks, *words) runs mpmstab and ends the check when it fails.
     """
-    run(2, *scene, "-steps", "20", "-output", "whole.h5")
-    run(2, *scene, "-steps", "11", "-checkpoint", "part.h5")
-    run(2, *scene, "-steps", "20", "-restart", "part.h5", "-output", "resumed.h5")
+    run(1, *scene, "-steps", "20", "-output", "whole.h5")
+    run(1, *scene, "-steps", "11", "-checkpoint", "part.h5")
+    run(1, *scene, "-steps", "20", "-restart", "part.h5", "-output", "resumed.h5")
     run(3, *scene, "-steps", "20", "-output", "three.h5")
     run(1, *scene, "-steps", "20", "-march", "plain", "-output", "plain.h5")
     whole = particles("whole.h5")

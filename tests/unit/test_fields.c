@@ -272,6 +272,7 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(CheckPlaces());
   PetscCall(CheckAgrees());
   PetscCall(CheckText());
+  PetscCheck(!remove("test_fields_scheme.yaml"), PETSC_COMM_SELF, PETSC_ERR_FILE_WRITE, "test_fields_scheme.yaml");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
