@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks scripts/release.sh, the files of scripts/packaging and the paper, as far as the tools are here.
 
-check_packaging.py tarball|debian|conda|spack|container|paper. Status 77, with the reason, where the tool for a part is missing. Silent when
+check_packaging.py tarball|debian|conda|spack|container|names|paper. Status 77, with the reason, where the tool for a part is missing. Silent when
 all is well.
 """
 import ast
@@ -235,6 +235,16 @@ def check_container(folder):
            for words in (["inspect", "--type", "image"], ["pull", "-q"])):
         skip(f"{tools[0]} is here, but the image {base} cannot be fetched")
     done([tools[0], "build", "-q", "-f", "scripts/packaging/Containerfile", "."], clone(folder))
+
+
+def check_names(_):
+    """Each file with a placeholder for a name or an address is in the table of what a person has to fill in."""
+    told = text_of(os.path.join(FILES, "README.md"))
+    found = subprocess.run(["grep", "-rlIE", r"example\.org|to be named|mpmstab[ -]developers", "CITATION.cff", "LICENSE", "README.md", "docs",
+                            "scripts"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.split()
+    named = set(re.findall(r"`([\w./-]+)`", told.split("## What a person")[1].split("\n\n`ctest")[0]))
+    left = {name for name in found if not name.endswith(("packaging/README.md", ".pyc"))}
+    check({"CITATION.cff", "docs/paper/paper.md"} <= left and left <= named, f"not in the table of scripts/packaging/README.md: {left - named}")
 
 
 def check_paper(_):
