@@ -216,10 +216,8 @@ def measured():
 def picture(path, quick):
     """Growth over drift with and without the term."""
     import picture_style as style  # here: without -o no picture is drawn
-    figure = style.Figure(figsize=(9, 4), constrained_layout=True)
-    rows = figure.add_gridspec(2, 2, height_ratios=[0.05, 1])
-    panels = [figure.add_subplot(rows[1, column]) for column in (0, 1)]
-    panels[1].sharey(panels[0])
+    figure = style.Figure(figsize=(5.2, 7), constrained_layout=True)
+    *panels, below = figure.subplots(3, 1, height_ratios=[1, 1, 0.2])
     drifts = sorted({Fraction(n, d) for d in ((16,) if quick else (16, 100)) for n in range(1, d // 2 + 1)})
     for axes, ppc in zip(panels, (2, 8)):
         found = numpy.array([with_and_without({"formulation": "gas2", "courant": 0.1, "drift": str(drift), "ppc": ppc})
@@ -230,13 +228,12 @@ def picture(path, quick):
             axes.semilogy(drifts, numpy.maximum(found[:, column] - 1, 1e-7), color=style.COLOURS[colour],
                           marker=marker, markersize=4, linestyle="none", label=label)
         axes.set_title(f"gas2, linear, flip, k = 0.1, ppc {ppc}", fontsize=10)
-        axes.set_xlabel("drift / cells per step")
+        axes.set_ylabel("growth per step - 1\n(stable: at the bottom)")
+        axes.set_ylim(0.7e-7, 1)
         axes.grid(True, alpha=0.3)
-    panels[0].set_ylabel("growth per step - 1 (stable: at the bottom)")
-    panels[0].set_ylim(0.7e-7, 1)
-    above = figure.add_subplot(rows[0, :])
-    above.axis("off")
-    above.legend(*panels[0].get_legend_handles_labels(), loc="center", ncol=3)
+    panels[1].set_xlabel("drift / cells per step")
+    below.axis("off")
+    below.legend(*panels[0].get_legend_handles_labels(), loc="center")
     write_whole(path, style.encoded(figure, "png"))
 
 

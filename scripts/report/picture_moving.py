@@ -1,4 +1,4 @@
-"""Draws growth of moving particles over their velocity: a panel for each basis, colours for schemes, two Courant numbers."""
+"""Draws growth of moving particles over their velocity: panels for bases one below the other, colours for schemes, two Courant numbers."""
 import math
 
 from picture_style import COLOURS, MARKERS, new_figure
@@ -13,8 +13,8 @@ def draw_moving(growth, schemes, velocities, courants):
     grows = [scheme for scheme in schemes if any(growth[scheme, m, k] > 0 for m in velocities for k in courants)]
     names = list(dict.fromkeys(scheme[:2] for scheme in grows))
     still = dict.fromkeys(" ".join(scheme[:2]) for scheme in schemes if scheme[:2] not in names)
-    figure = new_figure(3.6, "2 particles a cell; where a scheme has no point it does not grow; lines only join the points", width=10)
-    *panels, words = figure.subplots(1, len(bases) + 1, width_ratios=[1] * len(bases) + [0.75])
+    figure = new_figure(9.6, "2 particles a cell; where a scheme has no point\nit does not grow; lines only join the points", width=4.8)
+    *panels, words = figure.subplots(len(bases) + 1, 1, height_ratios=[1] * len(bases) + [0.5])
     words.axis("off")
     chosen = [courants[0], courants[-1]]
     for axes, basis in zip(panels, bases):
@@ -26,12 +26,12 @@ def draw_moving(growth, schemes, velocities, courants):
                 points = [point for point in points if point[1] > 0]
                 axes.plot(*zip(*points) if points else ([], []), line, color=COLOURS[place], marker=MARKERS[place],
                           label=f"{' '.join(scheme[:2])}, k = {courant[0]}/{courant[1]}")
-        axes.set(title=TITLES[basis], xscale="log", yscale="log", xlabel="velocity $U_0$ / $c$")
+        axes.set(title=TITLES[basis], xscale="log", yscale="log", ylabel="growth − 1 per time $h$ / $c$")
         axes.grid(True, which="major", color="#dddddd", linewidth=0.6)
         axes.set_ylim(5e-8, 0.2)
-    panels[0].set_ylabel("growth − 1 per time $h$ / $c$")
+    panels[-1].set_xlabel("velocity $U_0$ / $c$")
     for text in still:
         axes.plot([], [], " ", label=f"{text} does not grow")
     handles = {text: line for axes in panels for line, text in zip(*axes.get_legend_handles_labels())}
-    words.legend(handles.values(), handles.keys(), loc="upper left", fontsize=8, frameon=False, borderaxespad=0)
+    words.legend(handles.values(), handles.keys(), loc="center", ncol=2, frameon=False, borderaxespad=0)
     return figure

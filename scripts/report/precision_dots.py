@@ -78,9 +78,9 @@ def cell(one, unit, least):
     reach the error has the smallest that it reaches. A star: one of the layouts does not reach the error at the best step.
     """
     if one["seconds"] == math.inf:
-        return "grows" if one["rings"] else (f"({per_cent(one['smallest'])})" if one["smallest"] < 10 else "(lost)")
+        return "grows" if one["rings"] else f"({per_cent(one['smallest'])})" if one["smallest"] < 10 else "(above 1000 %)"
     absolute = unit == math.inf or one["scheme"] == REFERENCE
-    best, usual = ("-" if time == math.inf else duration(time) if absolute else f"{time / unit:.2g}"
+    best, usual = ("-" if time == math.inf else duration(time) if absolute else f"{float(f'{time / unit:.2g}'):g}"
                    for time in (one["seconds"], one["usual"]))
     star = "\\*" if one["high"] == math.inf else ""
     bold = "**" if one["seconds"] == least else ""

@@ -69,7 +69,7 @@ def more_cell(row, unit):
         return "grows"
     low, *middle, high = sorted(100 * error for error in row["errors"])
     if high > 100 * LOST:
-        return "(lost)"
+        return "(above 1000 %)"
     spread = "" if f"{low:.2g}" == f"{high:.2g}" else f" ({low:.2g} to {high:.2g})"
     return f"{middle[0] if middle else low:.2g}{spread}; {row['seconds'] / unit:.1f}"
 

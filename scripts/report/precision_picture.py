@@ -37,8 +37,10 @@ def draw_unstable(axes, rows, names, top):
 
 def draw(rows, title, searched=False):
     """Returns the figure. searched: a line joins the rows of a scheme, which are at different Courant numbers."""
-    figure = Figure(figsize=(8.4, 5), constrained_layout=True)
-    axes = figure.add_subplot()
+    figure = Figure(constrained_layout=True)
+    grid = figure.add_gridspec(2, 1)
+    axes, below = figure.add_subplot(grid[0]), figure.add_subplot(grid[1])
+    below.axis("off")
     names = [name for name in varying(rows) if name != "courant" or not searched]
     for number, members in enumerate((families(rows, SCHEME) if searched else families(rows)).values()):
         draw_family(axes, number, members, names)
@@ -54,8 +56,12 @@ def draw(rows, title, searched=False):
     axes.xaxis.set_minor_formatter(ticker.NullFormatter())
     style.plain_powers(axes.yaxis)
     axes.set_xlabel(f"run time of the loop, best of repeats ({', '.join(map(str, ranks))} rank{'s' * (ranks != [1])})")
-    axes.set_ylabel("largest l2 error over the fields, over the exact amplitude")
-    axes.set_title(title, fontsize=10)
+    axes.set_ylabel("largest l2 error over the fields,\nover the exact amplitude")
+    axes.set_title("\n".join(textwrap.fill(line, 62) for line in title.split("\n")), fontsize=10)
     axes.grid(True, which="major", alpha=0.3)
-    axes.legend(fontsize=9, loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0)
+    handles, labels = axes.get_legend_handles_labels()
+    below.legend(handles, labels, fontsize=8.5, loc="center", ncol=2, borderaxespad=0)
+    lines = 1 + len(labels) // 2 + max(label.count("\n") for label in labels)  # beside one another the highest counts
+    figure.set_size_inches(5.6, 4.6 + 0.2 * lines)
+    grid.set_height_ratios([4.6, 0.2 * lines])
     return figure

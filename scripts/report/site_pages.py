@@ -18,7 +18,8 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 LINK = re.compile(r"(\]\()([^)\s#:]+)((?:#[^)]*)?\))")
 NAVIGATION = [("Start", ["README.md", "INSTALL.md", "docs/glossary.md", "CHANGELOG.md"]),
               ("Questions", ["docs/limits.md", "limits-table.md", "docs/step-rules.md", "docs/ringing.md", "docs/ringing-tables.md",
-                             "docs/damping.md", "docs/work-precision.md", "docs/spectra.md", "docs/extremes.md", "docs/slides.md"]),
+                             "docs/damping.md", "docs/remedies.md", "docs/work-precision.md", "docs/floors.md", "docs/scenes.md",
+                             "docs/spectra.md", "docs/extremes.md", "docs/slides.md"]),
               ("Reference", ["docs/reference.md", "docs/theory.md", "docs/pictures.md", "docs/verification.md", "docs/related-work.md"])]
 CONFIG = """site_name: mpmstab
 docs_dir: pages

@@ -324,6 +324,19 @@ static PetscErrorCode FillField(MpmMarch *march, const MpmProfile *profile, Pets
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Collective. Refuses a random start in which a particle failed, if any did: the least of the ranks' ids. */
+static PetscErrorCode CheckNoise(const MpmMarch *march, PetscReal noise, PetscInt64 failed, const char does[],
+                                 const char what[])
+{
+  PetscFunctionBegin;
+  PetscCallMPI(
+      MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT64, MPI_MIN, PetscObjectComm((PetscObject)march->grid->da)));
+  MpmCheckInput(failed == PETSC_MAX_INT,
+                "amplitude %g: the random start %s particle %" PetscInt64_FMT "%s; allowed: a smaller one",
+                (double)(march->scene ? march->scene->amplitude : noise), does, failed, what);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 /* Moves the particles out of their places at rest by random numbers in [-noise, noise) of a cell. */
 static PetscErrorCode Displace(MpmMarch *march, PetscReal noise, const PetscInt64 id[])
 {
@@ -348,11 +361,30 @@ static PetscErrorCode Displace(MpmMarch *march, PetscReal noise, const PetscInt6
     if (bad < march->particles->count) failed = PetscMin(failed, id[bad]);
   }
   PetscCall(PetscFree(way));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPIU_INT64, MPI_MIN, PetscObjectComm((PetscObject)grid->da)));
-  MpmCheckInput(failed == PETSC_MAX_INT,
-                "amplitude %g: the random start moves particle %" PetscInt64_FMT
-                " by a cell or more, or out of the domain; allowed: a smaller one",
-                (double)(march->scene ? march->scene->amplitude : noise), failed);
+  PetscCall(CheckNoise(march, noise, failed, "moves", " by a cell or more, or out of the domain"));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Refuses noise that turns a particle inside out before the first step. */
+static PetscErrorCode CheckVolumes(MpmMarch *march, PetscReal noise, const PetscInt64 id[])
+{
+  const MpmTable *t      = march->scheme->table;
+  const PetscInt  dim    = t->dim;
+  PetscInt64      failed = PETSC_MAX_INT;
+  PetscReal      *F[MPM_MAX_DIM * MPM_MAX_DIM];
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < dim * dim; c++)
+    PetscCall(MpmParticlesGet(march->particles, t->fields[t->stretch + c], &F[c]));
+  for (PetscInt p = 0; p < march->particles->count; p++) {
+    PetscReal of[MPM_MAX_DIM * MPM_MAX_DIM];
+
+    for (PetscInt c = 0; c < dim * dim; c++) of[c] = F[c][p];
+    if (!(MpmDeterminant(dim, of) > 0)) failed = PetscMin(failed, id[p]);
+  }
+  for (PetscInt c = 0; c < dim * dim; c++)
+    PetscCall(MpmParticlesRestore(march->particles, t->fields[t->stretch + c], &F[c]));
+  PetscCall(CheckNoise(march, noise, failed, "turns", " inside out"));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -367,6 +399,7 @@ PetscErrorCode MpmFiniteFill(MpmMarch *march, PetscReal noise)
   PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
   for (PetscInt r = 0; r < march->scheme->table->nstate; r++)
     PetscCall(FillField(march, mode ? &profile : NULL, noise, r, id));
+  if (noise > 0) PetscCall(CheckVolumes(march, noise, id));
   if (noise > 0) PetscCall(Displace(march, noise, id));
   PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
   if (noise > 0) PetscCall(MpmMarchRebase(march));

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Checks scripts/release.sh, the files of scripts/packaging and the paper, as far as the tools are here.
 
-check_packaging.py tarball|debian|conda|spack|container|paper. Status 77, with the reason, where the tool for a part is missing. Silent when
+check_packaging.py tarball|debian|conda|spack|container|names|paper. Status 77, with the reason, where the tool for a part is missing. Silent when
 all is well.
 """
 import ast
@@ -75,7 +75,7 @@ def check_tarball(folder):
 
 
 def check_debian(folder):
-    """Builds the packages without optimisation, unpacks them in a new place, and uses program and library from there."""
+    """Builds the packages without optimisation, and uses them from a fresh prefix and, where that can be made, in a clean Debian."""
     for tool in ("dpkg-buildpackage", "dh"):
         if not shutil.which(tool):
             skip(f"there is no {tool}, with which Debian packages are built (packages dpkg-dev and debhelper)")
@@ -90,10 +90,21 @@ def check_debian(folder):
     if shutil.which("lintian"):
         done(["lintian", "--allow-root", "--fail-on", "error,warning", *packages], folder)
     if shutil.which("mmdebstrap") and not os.geteuid():
-        use_in_clean_system(folder, packages)
+        missing = use_in_clean_system(folder, packages)
+        if missing:
+            print(f"check_packaging: the packages were used from a fresh prefix, but not from a clean Debian: {missing}")
+
+
+PROJECT = """cmake_minimum_required(VERSION 3.22)
+project(limit LANGUAGES C)
+find_package(mpmstab 0.2 REQUIRED)
+add_executable(limit ${EXAMPLES}/library/main.c)
+target_link_libraries(limit PRIVATE mpmstab::mpmstab)
+"""
 
 
 def use_packages(folder, packages, environment):
+    """Unpacks the packages in a fresh prefix, and uses program, manual page, completions and library from there."""
     root = os.path.join(folder, "root")
     for name in packages:
         done(["dpkg-deb", "-x", name, root], folder)
@@ -110,14 +121,49 @@ def use_packages(folder, packages, environment):
          folder, env=environment)
     said = done(["./limit"], folder, env=environment)
     check(said == LIMIT, f"the program that was compiled with the packages prints {said}")
+    loop = os.path.join(root, "usr/share/mpmstab/examples/step-in-your-loop/loop.c")
+    done(["cc", "-std=c99", f"-I{root}/usr/include", loop, "-o", "loop", "-lm"], folder)  # mpmstab_dt.h, without the library
+    done(["./loop"], folder)
+    use_config(folder, root, environment)
+    use_texts(folder, root, environment)
+
+
+def use_config(folder, root, environment):
+    """A project of CMake finds the library of the packages, and no other one."""
+    project = os.path.join(folder, "project")
+    os.mkdir(project)
+    with open(os.path.join(project, "CMakeLists.txt"), "w", encoding="utf-8") as file:
+        file.write(PROJECT)
+    environment = {name: value for name, value in environment.items() if name != "PKG_CONFIG_PATH"}
+    usr = os.path.join(root, "usr")
+    done(["cmake", "-S", ".", "-B", "build", f"-DCMAKE_PREFIX_PATH={usr}", f"-DEXAMPLES={usr}/share/mpmstab/examples"], project,
+         env=environment)
+    done(["cmake", "--build", "build"], project, env=environment)
+    check(f"mpmstab_DIR:PATH={usr}" in text_of(os.path.join(project, "build", "CMakeCache.txt")), "CMake found another mpmstab")
+    said = done(["build/limit"], project, env=environment)
+    check(said == LIMIT, f"the program that CMake built with the packages prints {said}")
+
+
+def use_texts(folder, root, environment):
+    """The manual page is one for man, and the completions of bash complete a task and an option."""
+    page = os.path.join(root, "usr/share/man/man1/mpmstab.1.gz")
+    if shutil.which("man"):
+        said = done(["man", "--warnings", "-l", page], folder, env=environment | {"MANPAGER": "cat", "LC_ALL": "C.UTF-8"})
+        check("-formulation" in said and not re.search(r":\d+:.*warning", said), f"man shows {said[:400]}")
+    script = os.path.join(root, "usr/share/bash-completion/completions/mpmstab")
+    for words, wanted in (("cr", "critical"), ("critical -neigh", "-neighbourhood")):
+        last = len(words.split())
+        said = done(["bash", "-c", f"source {script}; COMP_WORDS=(mpmstab {words}); COMP_CWORD={last}; _mpmstab; echo ${{COMPREPLY[@]}}"],
+                    folder, env=environment)
+        check(said.strip() == wanted, f"'mpmstab {words}' is completed to {said}")
 
 
 def use_in_clean_system(folder, packages):
-    """Installs the packages with apt in a Debian that has nothing else, and uses program and library there."""
+    """Installs the packages with apt in a Debian that has nothing else, and uses program and library there. Returns why it cannot."""
     root = os.path.join(folder, "clean")
     made = subprocess.run(["mmdebstrap", "--quiet", "--variant=apt", "bookworm", root], capture_output=True, text=True, check=False)
     if made.returncode:
-        skip(f"the packages are built and were used, but no clean Debian can be fetched here: {made.stderr[-200:]}")
+        return f"none can be fetched here: {made.stderr[-200:]}"
     for name in packages:
         shutil.copy(os.path.join(folder, name), root)
     debs = " ".join(f"/{name}" for name in packages)
@@ -128,12 +174,13 @@ def use_in_clean_system(folder, packages):
     allowed = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                "DEBIAN_FRONTEND": "noninteractive"}
     allowed |= {name: value for name, value in os.environ.items() if name.lower().endswith("_proxy")}
-    reached = subprocess.run(["chroot", root, "apt-get", "install", "-qq", "-y", "--download-only", "gcc"], env=allowed,
-                             capture_output=True, text=True, check=False)
+    fetch = "apt-get update -qq && apt-get install -qq -y --download-only gcc"  # mmdebstrap leaves no lists of packages
+    reached = subprocess.run(["chroot", root, "sh", "-c", fetch], env=allowed, capture_output=True, text=True, check=False)
     if reached.returncode:
-        skip(f"the packages are built and were used, but apt fetches nothing in a clean Debian here: {reached.stderr[-200:]}")
+        return f"apt fetches nothing in one here: {reached.stderr[-200:]}"
     said = done(["chroot", root, "sh", "-e", "-c", script], folder, env=allowed)
     check(said == LIMIT, f"in a clean Debian the program that was compiled with the packages prints {said}")
+    return None
 
 
 def check_conda(folder):
@@ -188,6 +235,16 @@ def check_container(folder):
            for words in (["inspect", "--type", "image"], ["pull", "-q"])):
         skip(f"{tools[0]} is here, but the image {base} cannot be fetched")
     done([tools[0], "build", "-q", "-f", "scripts/packaging/Containerfile", "."], clone(folder))
+
+
+def check_names(_):
+    """Each file with a placeholder for a name or an address is in the table of what a person has to fill in."""
+    told = text_of(os.path.join(FILES, "README.md"))
+    found = subprocess.run(["grep", "-rlIE", r"example\.org|to be named|mpmstab[ -]developers", "CITATION.cff", "LICENSE", "README.md", "docs",
+                            "scripts"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.split()
+    named = set(re.findall(r"`([\w./-]+)`", told.split("## What a person")[1].split("\n\n`ctest")[0]))
+    left = {name for name in found if not name.endswith(("packaging/README.md", ".pyc"))}
+    check({"CITATION.cff", "docs/paper/paper.md"} <= left and left <= named, f"not in the table of scripts/packaging/README.md: {left - named}")
 
 
 def check_paper(_):

@@ -29,10 +29,15 @@ def check_pages():
         name = os.path.relpath(page, SITE)
         check(len(re.findall(r"<h1[ >]", text)) == 1 or name == "404.html", f"{name}: not one heading of the first order")
         body = text.split("<article")[-1].split("</article>")[0]
+        lists = re.search(r"<p>[^<]*(?:<(?!/p>)[^<]*)*\n(?:-|\d+\.) ", body)
+        check(not lists, f"{name}: a list without a blank line before it is text here: {lists and lists.group()[-60:]}")
         for link in re.findall(r'(?:href|src)="([^"#]+)', body):
             link = urllib.parse.unquote(html.unescape(link))
             if not re.match(r"\w+:", link):
                 check(os.path.exists(os.path.join(os.path.dirname(page), link)), f"{name}: there is no {link}")
+    index = text_of(os.path.join(SITE, "index.html"))
+    for page in os.listdir(os.path.join(ROOT, "docs")):
+        check(not page.endswith(".md") or f'href="docs/{page[:-3]}.html" class="md-nav__link"' in index, f"docs/{page} is not in the navigation")
     rows = text_of(os.path.join(SITE, "limits-table.html")).count("<tr data-command=")
     check(rows > 500, f"the table of limits has {rows} rows")
 

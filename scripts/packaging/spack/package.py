@@ -8,7 +8,7 @@ class Mpmstab(CMakePackage):
     """Stability laboratory for the material point method: which time step a code can take, how accurate its scheme is for
     what cost, and why it breaks."""
 
-    homepage = "https://example.org/mpmstab"  # to be named when the project has a page
+    homepage = "https://example.org/mpmstab"  # to fill in: see ../README.md
 
     # Until the tarball of scripts/release.sh is somewhere: spack develop --path SOURCES mpmstab@0.2.0
     version("0.2.0")
