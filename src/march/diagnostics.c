@@ -99,37 +99,48 @@ static PetscReal SeenSquares(const MpmMarchArrays *at, PetscInt field)
 
 /*
    The energy of a stress s with the components 00 01 02 11 12 22, twice: s : C^-1 s = s : s / (2 mu) -
-   lambda tr(s)^2 / (2 mu (d lambda + 2 mu)), in units of rho c^2 = lambda + 2 mu. Here of particles that differ.
+   lambda tr(s)^2 / (2 mu (d lambda + 2 mu)), in units of rho c^2 = lambda + 2 mu.
 */
-static PetscReal WeighedStressSquares(const MpmMarchArrays *at, PetscInt first, PetscReal mu, PetscReal of_trace)
+static PetscReal OfTrace(PetscInt dim, PetscReal lambda, PetscReal mu)
+{
+  return lambda / (2 * mu * (dim * lambda + 2 * mu));
+}
+
+/* The same of particles that differ. */
+static PetscReal WeighedStressSquares(const MpmMarchArrays *at, PetscInt first, PetscReal lambda, PetscReal mu)
 {
   const PetscInt   dim    = at->march->layout->dim;
   const PetscReal *weight = at->weight[MPM_VOLUME], *stiffness = at->weight[MPM_STIFFNESS];
+  const PetscReal *own = at->weight[MPM_LAMBDA];
   PetscReal        sum = 0;
 
   for (PetscInt p = 0; p < at->march->particles->count; p++) {
     PetscReal trace = 0, squares = 0;
+
+    if (own) {
+      lambda = own[p] / stiffness[p];
+      mu     = at->weight[MPM_SHEAR][p] / stiffness[p];
+    }
 
     for (PetscInt a = 0, c = first; a < dim; a++)
       for (PetscInt b = a; b < dim; b++, c++) {
         squares += (a == b ? 1 : 2) * PetscSqr(at->particle[c][p]);
         trace += a == b ? at->particle[c][p] : 0;
       }
-    squares = squares / (2 * mu) - of_trace * trace * trace;
+    squares = squares / (2 * mu) - OfTrace(dim, lambda, mu) * trace * trace;
     sum += squares * (weight ? weight[p] : 1) / (stiffness ? stiffness[p] : 1);
   }
   return sum;
 }
 
-/* The same of particles that are alike. The squares of the components are known: only those of the trace are to sum. */
+/* Of particles that are alike the squares of the components are known: only those of the trace are to sum. */
 static PetscReal StressSquares(const MpmMarchArrays *at, PetscInt first)
 {
   const PetscInt  dim = at->march->layout->dim, count = at->march->particles->count;
   const PetscReal nu = at->march->scheme->space.poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
-  const PetscReal of_trace = lambda / (2 * mu * (dim * lambda + 2 * mu));
   PetscReal       trace[MPM_BLOCK], sum = 0;
 
-  if (Differ(at->march->layout) || at->weight[MPM_VOLUME]) return WeighedStressSquares(at, first, mu, of_trace);
+  if (Differ(at->march->layout) || at->weight[MPM_VOLUME]) return WeighedStressSquares(at, first, lambda, mu);
   for (PetscInt a = 0, c = first; a < dim; a++)
     for (PetscInt b = a; b < dim; b++, c++) sum += (a == b ? 1 : 2) * ParticleSquares(at, c, NULL) / (2 * mu);
   for (PetscInt p = 0; p < count; p += MPM_BLOCK) {
@@ -137,7 +148,7 @@ static PetscReal StressSquares(const MpmMarchArrays *at, PetscInt first)
 
     for (PetscInt a = 0, c = first; a < dim; c += dim - a++)
       (a ? MpmNodeAdd : MpmNodeCopy)(0, n, 1, at->particle[c] + p, trace);
-    sum -= of_trace * MpmSumSquares(n, trace);
+    sum -= OfTrace(dim, lambda, mu) * MpmSumSquares(n, trace);
   }
   return sum;
 }

@@ -304,7 +304,7 @@ PetscErrorCode MpmGivenRead(const char where[], const char others[], const char 
   PetscCall(Open(path, others, &r));
   if (!r.why[0]) {
     PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, path,
-                             (PetscReal)r.particles * (PetscReal)sizeof(PetscReal) * (r.columns + MPM_PROPERTIES) *
+                             (PetscReal)r.particles * (PetscReal)sizeof(PetscReal) * (2 * r.columns + 2) *
                                  MpmRanksOf(PETSC_COMM_WORLD),
                              "a copy of the particles on each rank"));
     PetscCall(PetscNew(&given));
@@ -440,12 +440,10 @@ static PetscErrorCode PlaceAlong(const MpmScene *scene, PetscInt a)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* E to the stiffness against a strain in one direction. */
-static PetscReal Stiffness(const MpmScene *scene, PetscReal young)
+/* The stiffness against a strain in one direction, over E. */
+static PetscReal Stiffness(PetscInt dim, PetscReal nu)
 {
-  const PetscReal nu = scene->scheme.space.poisson;
-
-  return scene->layout.dim == 1 ? young : young * (1 - nu) / ((1 + nu) * (1 - 2 * nu));
+  return dim == 1 ? 1 : (1 - nu) / ((1 + nu) * (1 - 2 * nu));
 }
 
 void MpmMaterialUnits(const MpmScene *scene, PetscReal unit[MPM_PROPERTIES])
@@ -456,15 +454,42 @@ void MpmMaterialUnits(const MpmScene *scene, PetscReal unit[MPM_PROPERTIES])
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     unit[MPM_VOLUME] *=
         scene->cell_width / (scene->layout.ppc[a] * (scene->scheme.space.finite ? scene->scheme.space.stretch[a] : 1));
-  unit[MPM_MASS]      = density * unit[MPM_VOLUME];
-  unit[MPM_STIFFNESS] = density * PetscSqr(scene->wave_speed) / Stiffness(scene, 1);
+  unit[MPM_MASS] = density * unit[MPM_VOLUME];
+  unit[MPM_STIFFNESS] =
+      density * PetscSqr(scene->wave_speed) / Stiffness(scene->layout.dim, scene->scheme.space.poisson);
 }
+
+PetscReal MpmMaterialColumn(const MpmScene *scene, const PetscReal unit[], MpmProperty property, PetscInt64 id)
+{
+  const MpmLayout *l     = &scene->layout;
+  const PetscReal  value = MpmMaterialProperty(l, property, id);
+  PetscReal        ratio;
+
+  if (property == MPM_MOBILITY) return 1 - value;
+  if (!l->varies[MPM_LAMBDA] || (property != MPM_STIFFNESS && property != MPM_LAMBDA)) return unit[property] * value;
+  ratio = MpmMaterialProperty(l, MPM_LAMBDA, id) / MpmMaterialProperty(l, MPM_STIFFNESS, id);
+  if (property == MPM_LAMBDA) return ratio / (1 + ratio);
+  return unit[property] * value * Stiffness(l->dim, scene->scheme.space.poisson) /
+         Stiffness(l->dim, ratio / (1 + ratio));
+}
+
+/* Turns E and Poisson's ratio of a particle into lambda + 2 mu, lambda and mu, over the scene's lambda + 2 mu. */
+static void SetLames(const MpmScene *scene, PetscReal *const p[], PetscInt64 id)
+{
+  const PetscInt  dim = scene->layout.dim;
+  const PetscReal nu  = p[MPM_LAMBDA][id];
+
+  p[MPM_STIFFNESS][id] *= Stiffness(dim, nu) / Stiffness(dim, scene->scheme.space.poisson);
+  p[MPM_LAMBDA][id] = p[MPM_STIFFNESS][id] * nu / (1 - nu);
+  p[MPM_SHEAR][id]  = p[MPM_STIFFNESS][id] * (1 - 2 * nu) / (2 * (1 - nu));
+}
+
+static const PetscInt from[MPM_PROPERTIES] = {[MPM_VOLUME] = VOLUME,  [MPM_MASS] = MASS,     [MPM_STIFFNESS] = YOUNG,
+                                              [MPM_LAMBDA] = POISSON, [MPM_SHEAR] = POISSON, [MPM_MOBILITY] = FIXED};
 
 /* Properties in units of a particle of the scene's material that fills 1 / ppc of a cell. */
 static PetscErrorCode Weigh(MpmScene *scene)
 {
-  static const PetscInt from[MPM_PROPERTIES] = {
-      [MPM_VOLUME] = VOLUME, [MPM_MASS] = MASS, [MPM_STIFFNESS] = YOUNG, [MPM_MOBILITY] = FIXED};
   MpmLayout *l      = &scene->layout;
   MpmGiven  *given  = l->given;
   PetscReal  domain = 1, unit[MPM_PROPERTIES];
@@ -475,6 +500,7 @@ static PetscErrorCode Weigh(MpmScene *scene)
   for (PetscInt a = 0; a < l->dim; a++) domain *= scene->length[a];
   for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) {
     if (!given->column[from[w]] && w != MPM_VOLUME && w != MPM_MASS) continue;
+    if (from[w] == POISSON && !scene->scheme.space.lames) continue;
     PetscCall(PetscMalloc1(given->particles, &given->property[w]));
     l->varies[w] = PETSC_TRUE;
     for (PetscInt64 id = 0; id < given->particles; id++)
@@ -486,6 +512,7 @@ static PetscErrorCode Weigh(MpmScene *scene)
     if (!given->column[VOLUME]) p[MPM_VOLUME][id] = domain / (PetscReal)given->particles / unit[MPM_VOLUME];
     if (!given->column[MASS]) p[MPM_MASS][id] = p[MPM_VOLUME][id];
     if (p[MPM_MOBILITY]) p[MPM_MOBILITY][id] = 1 - p[MPM_MOBILITY][id];
+    if (p[MPM_LAMBDA]) SetLames(scene, p, id);
     MpmCheckInput(
         isnormal(p[MPM_VOLUME][id]) && isnormal(p[MPM_MASS][id]) &&
             (!p[MPM_STIFFNESS] || isnormal(p[MPM_STIFFNESS][id])),
@@ -503,19 +530,25 @@ static PetscErrorCode Weigh(MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Stress has one ratio of lambda to mu for all particles. */
-static PetscErrorCode CheckPoisson(const MpmScene *scene)
+/* Where Poisson's ratio varies lambda and mu are those of each particle. */
+static PetscErrorCode CheckPoisson(MpmScene *scene)
 {
   const MpmGiven *given = scene->layout.given;
   const PetscReal nu    = scene->scheme.space.poisson;
   char            where[WHERE];
 
   PetscFunctionBegin;
-  for (PetscInt64 id = 0; given->column[POISSON] && scene->layout.dim > 1 && id < given->particles; id++)
-    MpmCheckInput(fabs(given->column[POISSON][id] - nu) <= SAME_RATIO,
-                  "layout %s: %s: poisson %.17g where another particle, or -poisson, has %.17g; allowed: one for all "
-                  "particles",
-                  given->path, Where(given, id, where), given->column[POISSON][id], nu);
+  for (PetscInt64 id = 0; given->column[POISSON] && scene->layout.dim > 1 && id < given->particles; id++) {
+    const PetscReal own = given->column[POISSON][id];
+
+    if (fabs(own - nu) <= SAME_RATIO) continue;
+    scene->scheme.space.lames = PETSC_TRUE;
+    MpmCheckInput(
+        own < 0.5 && nu < 0.5 && given->column[YOUNG],
+        "layout %s: %s: poisson %.17g where another particle, or -poisson, has %.17g; allowed: different ones "
+        "below 0.5, with a column young",
+        given->path, Where(given, id, where), own, nu);
+  }
   MpmCheckInput(
       !given->column[YOUNG] || scene->layout.dim == 1 || nu < 0.5,
       "layout %s: young with poisson 0.5 has no finite stiffness; allowed: poisson below 0.5, or no column young",
@@ -559,10 +592,9 @@ PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scen
                 "layout %s: a particle that is held does not drift; allowed: without drift, or without column fixed",
                 given->path);
   if (given->random) {
-    PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, l,
-                                   (PetscReal)l->sites * sizeof(PetscReal) * (l->dim + MPM_PROPERTIES) *
-                                       MpmRanksOf(PETSC_COMM_WORLD),
-                                   "a copy of the particles on each rank"));
+    PetscCall(MpmLayoutCheckMemory(
+        PETSC_COMM_WORLD, l, (PetscReal)l->sites * sizeof(PetscReal) * (l->dim + 2) * MpmRanksOf(PETSC_COMM_WORLD),
+        "a copy of the particles on each rank"));
     PetscCall(MpmGivenScatter(l));
   }
   for (PetscInt a = 0; a < l->dim; a++) {
@@ -611,7 +643,9 @@ void MpmGivenText(const MpmGiven *given, size_t room, char text[])
     (void)snprintf(text, room, "%s; %s; %s%s%s%s",
                    given->has[0] ? "volumes of the file" : "volume of each: the domain's over the number of particles",
                    given->has[1] ? "masses of the file" : "mass: density times volume",
-                   given->has[2] ? "young of the file" : "moduli of the options",
+                   given->has[2]   ? given->has[3] ? "young and poisson of the file" : "young of the file"
+                   : given->has[3] ? "poisson of the file"
+                                   : "moduli of the options",
                    given->has[MPM_GIVEN_SAID - 1] ? "; particles are held where fixed is 1" : "",
                    given->unused[0] ? "; not used: " : "", given->unused);
 }

@@ -6,7 +6,7 @@
 #include "scene/material.h"
 #include <math.h>
 
-const char *const MpmPropertyNames[] = {NULL, "mass", "volume", "stiffness", "mobility"};
+const char *const MpmPropertyNames[] = {NULL, "mass", "volume", "stiffness", "lambda", "shear", "mobility"};
 const char *const MpmMaterialNames[] = {"uniform", "two", "graded", NULL};
 
 /* Returns the power to which the ratios are raised at place x, in cells. */

@@ -28,3 +28,6 @@ void MpmMaterialBounds(const MpmLayout *layout, PetscReal bound[MPM_PROPERTIES])
 
 /* Not collective. What property 1 is in a scene's units: a volume and a mass at rest, and Young's modulus. */
 void MpmMaterialUnits(const MpmScene *scene, PetscReal unit[MPM_PROPERTIES]);
+
+/* Not collective. A property of a particle as layout FILE has it, in these units: of MPM_LAMBDA it is Poisson's ratio. */
+PetscReal MpmMaterialColumn(const MpmScene *scene, const PetscReal unit[], MpmProperty property, PetscInt64 id);
