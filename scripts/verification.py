@@ -79,6 +79,10 @@ KINDS = [
          None, "1e-13 a step; implicit 1e-11", "nothing", "quiet_energy"),
         ("certificates with a chance of 1e-2 to be wrong", "the exact eigenvalue of random layouts", lambda: int(re.search(
             r"step_bound_all 1 \S+ (\d+)", text("tests/CMakeLists.txt")).group(1)), "at most one in a hundred is wrong", "nothing", "step_bound"),
+        ("liquids between sticky walls: Newton's and its start, Bingham's, Herschel's and Bulkley's", "exact velocities", lambda: 4, "order 2: "
+         "errors on 16 cells of 0.5 to 1.7 %", "nothing", "viscous_runs"),
+        ("shocks with the viscosity of von Neumann and Richtmyer", "Noh's problem: speed, density, velocity, jumps of mass and momentum",
+         lambda: 2, "1 %", "without it 2 % of the speed", "viscous_runs"),
     ]),
     ("Programs written apart from this one", [
         ("growth in one dimension", "a program of its own in numpy (growth.csv)", lambda: rows_of("growth.csv"), "2 % of the rate of a run", "nothing", "oracle"),

@@ -129,8 +129,19 @@ typedef enum {
 /*E
    MpmProperty - a property in which particles may differ. Its unit is that of a particle of the first material that
    fills 1 / ppc of a cell. MPM_MOBILITY multiplies what a particle gets by G2P: 0 for one that is held, else 1.
+   MPM_STIFFNESS is lambda + 2 mu; where Poisson's ratio varies, too, MPM_LAMBDA and MPM_SHEAR, which is mu, are over the
+   same unit.
 E*/
-typedef enum { MPM_NO_PROPERTY, MPM_MASS, MPM_VOLUME, MPM_STIFFNESS, MPM_MOBILITY, MPM_PROPERTIES } MpmProperty;
+typedef enum {
+  MPM_NO_PROPERTY,
+  MPM_MASS,
+  MPM_VOLUME,
+  MPM_STIFFNESS,
+  MPM_LAMBDA,
+  MPM_SHEAR,
+  MPM_MOBILITY,
+  MPM_PROPERTIES
+} MpmProperty;
 
 /* The place of a register that an operation reads or writes. */
 typedef enum { MPM_NOWHERE, MPM_ON_PARTICLES, MPM_ON_NODES } MpmPlace;
@@ -202,7 +213,8 @@ enum { MPM_ONE, MPM_COURANT, MPM_COURANT_SQUARED };
    accumulates - the operation adds to dst instead of replacing it
    coefficient - the power of the Courant number that multiplies the operation
    factor      - the number that multiplies the operation besides
-   side        - the end of the axis at which a WALL acts: 0 left, 1 right
+   side        - the end of the axis at which a WALL acts: 0 left, 1 right. Of GRAD the modulus that multiplies it where
+                 Poisson's ratio varies: 0 lambda + 2 mu, 1 lambda, 2 mu
 S*/
 typedef struct {
   MpmOpKind kind;

@@ -220,6 +220,6 @@ void MpmLayoutSetPpc(MpmLayout *layout, PetscInt ppc);
 
 /*
    Not collective. The property that multiplies what particles give or get in an operation, or MPM_NO_PROPERTY where it
-   is the same for all particles.
+   is the same for all particles. side: that of the operation.
 */
-MpmProperty MpmLayoutWeight(const MpmLayout *layout, MpmOpKind kind);
+MpmProperty MpmLayoutWeight(const MpmLayout *layout, MpmOpKind kind, PetscInt side);

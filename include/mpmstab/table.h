@@ -128,6 +128,7 @@ extern const char *const MpmMoveNames[];
    poisson  - Poisson's ratio nu, from 0 to 1/2; plane strain with dim 2. With 1/2 the material is a fluid. With dim 1
               it has no effect. In units of rho c^2, c the speed of P waves, the Lame constants are
               lambda = nu / (1 - nu) and mu = (1 - 2 nu) / (2 (1 - nu)).
+   lames    - lambda and mu are properties of particles, and poisson gives the unit alone
    filter   - when the transfer's filter acts, in formulations with FILTER_BEFORE and FILTER_AFTER
    prestress - sigma0 / (rho c^2), the stress of the state that the scheme is linear about, with the components 00 01 02
               11 12 22; 0: without one. c is the speed of small P waves along x about this state. In one dimension it is
@@ -160,6 +161,7 @@ typedef struct {
   PetscInt      dim;
   MpmGradient   gradient;
   PetscReal     poisson;
+  PetscBool     lames;
   MpmFilterTime filter;
   PetscReal     prestress[MPM_MAX_STRESS], lambda, mu, squares[MPM_MAX_DIM];
   PetscBool     curved, displaced;

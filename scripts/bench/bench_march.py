@@ -21,6 +21,7 @@ BOX_WORK, SPEED_UP, BOX_BYTES = 1e7, 1.85, 200  # particles x steps; targets in 
 MOST_BOX_STEPS = 200  # of a small box, which is run for its energy and not for its time
 LINE_TARGETS, LINE_BYTES = {"gas2": 0.8, "usl": 0.8}, 80  # ratio to plain C, where it is not 1; bytes a particle
 FINITE_TARGET, FINITE_DRIFTS = 0.7, ("0", "0.01")
+LAW_TARGET, LAW_SPEED_UP = 2.0, 1.6  # ratio to the elastic law; two ranks beside one
 STEP_TARGETS = {"verlet": 1.35, "rk4": 2.6, "rk4 nodes": 2.6}  # ratio to usl
 STEP_CELLS, STEP_WORK = {2: 256, 3: 32}, 40  # cells along each direction; steps
 BOUND_CELLS, BOUND_STEPS = {2: 96, 3: 20}, 100
@@ -41,7 +42,7 @@ def arguments():
     parser.add_argument("--no-memory", action="store_true", help="leave out gas2 with 8e6 particles, for its memory")
     parser.add_argument("--no-numba", action="store_true", help="leave out numba, for gas2")
     parser.add_argument("--boxes", type=listed(("1e3", "1e6", "4e6")), default=("1e6",), help="particles in 2-D and 3-D")
-    parser.add_argument("--finite", action="store_true", help="only marches at finite strain, in two and three dimensions")
+    parser.add_argument("--finite", action="store_true", help="only marches at finite strain, in two and three dimensions, and laws that flow")
     parser.add_argument("--bounds", action="store_true", help="only what bounds of the step cost in a run with courant auto")
     parser.add_argument("--only-boxes", action="store_true", help="leave out one dimension")
     parser.add_argument("--only-steps", action="store_true", help="only the steps of momentum beside one another")
@@ -182,6 +183,27 @@ def measure_finite(args):
     return rows
 
 
+def measure_laws(args):
+    """Measures laws that flow beside an elastic one in turn, on one rank and on two, in three dimensions."""
+    rows = []
+    print(f"\nlaws that flow: usl at finite strain, quadratic, 3-D, {bench_runs.PPC} particles a cell in each direction\n"
+          f"ns per particle and step, best of {args.repeats}; ratio of 1 rank to neo; speed-up of 2 ranks\n\n"
+          f"{'cells':>5} {'law':6} {'1 rank':>7} {'2 ranks':>7}  {'ratio':>5} {'target':>6} {'':7} {'speed-up':>8} {'target':>6}")
+    for size in args.boxes:
+        row = {"dim": 3, "cells": bench_runs.BOXES[3][size], "drift": "0.01", "amplitude": "0.1",
+               "steps": min(MOST_BOX_STEPS, max(20, int(BOX_WORK // float(size))))}
+        times = {law: {1: [], 2: []} for law in bench_runs.LAWS}
+        for _, law, ranks in itertools.product(range(args.repeats), bench_runs.LAWS, (1, 2)):
+            times[law][ranks].append(bench_runs.run_finite(row | {"law": {"material": law, **bench_runs.LAWS[law]}}, ranks)[0])
+        for law, found in times.items():
+            best = {str(ranks): min(ns) for ranks, ns in found.items()}
+            rows.append(row | {"law": law, "best": best, "ratio": best["1"] / min(times["neo"][1]), "speed_up": best["1"] / best["2"]})
+            print(f"{row['cells']:5} {law:6} {best['1']:7.1f} {best['2']:7.1f}  {rows[-1]['ratio']:5.2f} {LAW_TARGET:6.1f} "
+                  f"{bench_runs.met(rows[-1]['ratio'] <= LAW_TARGET):7} {rows[-1]['speed_up']:8.2f} {LAW_SPEED_UP:6.1f} "
+                  f"{bench_runs.met(rows[-1]['speed_up'] >= LAW_SPEED_UP)}", flush=True)
+    return rows
+
+
 def measure_bounds(args):
     """Measures the bounds of a run that chooses its steps beside its passes, sums over ranks and migrations, in the same run."""
     rows = []
@@ -279,6 +301,7 @@ def main():
     if args.finite:
         bench_runs.compile_finite()
         result["finite"] = measure_finite(args)
+        result["laws"] = measure_laws(args)
         bench_runs.keep(result, args)
         return
     if args.bounds:

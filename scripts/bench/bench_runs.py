@@ -25,6 +25,7 @@ PLAIN_STEPS = {"flip": [], "verlet": ["-DVERLET"], "rk4": ["-DRK"], "kg5": ["-DR
 IMPLICIT = {"courant": 5, "steps": 4}  # it has no limit, and a step has some fifty sweeps
 MACH = "1/10"  # of particles that move, where a limit of the Courant number is asked for
 PPC = 2
+LAWS = {"neo": {}, "mises": {"yield": 0.002}, "snow": {}, "sand": {}, "clay": {"yield": 0.002}}  # in a wave in which all but the first flow
 NODES = {"linear": 2, "quadratic": 3, "cubic": 4}  # of a particle along a direction
 BOXES = {2: {"1e3": 16, "1e6": 500, "4e6": 1000}, 3: {"1e3": 6, "1e6": 50, "4e6": 80}}  # cells along each direction, by dimension and size
 HISTORY = os.path.join(SOURCES, "history.jsonl")
@@ -211,7 +212,7 @@ def run_finite(row, ranks):
     """Returns ns per particle and step of a march at finite strain, and the energy at the end."""
     chosen = {"dim": row["dim"], "cells": row["cells"], "formulation": "usl", "kinematics": "finite", "material": "neo",
               "lame_ratio": 1, "basis": "quadratic", "ppc": PPC, "offset": 0.51, "courant": 0.1, "mode": 1,
-              "amplitude": row["amplitude"], "steps": row["steps"], "drift": row["drift"]}
+              "amplitude": row["amplitude"], "steps": row["steps"], "drift": row["drift"]} | row.get("law", {})
     run = result_of_run("run", chosen, ranks)["run"]
     return run["ns_per_particle_step"], run["energy"]["final"]
 

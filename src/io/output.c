@@ -259,7 +259,7 @@ static PetscErrorCode WriteCoordinates(MpmOutput *output, const char place[], co
 static PetscErrorCode WriteProperties(MpmOutput *output, const char place[], const MpmMarch *march)
 {
   static const char *const names[MPM_PROPERTIES] = {
-      [MPM_VOLUME] = "volume", [MPM_MASS] = "mass", [MPM_STIFFNESS] = "young"};
+      [MPM_VOLUME] = "volume", [MPM_MASS] = "mass", [MPM_STIFFNESS] = "young", [MPM_LAMBDA] = "poisson"};
   const MpmTable   *t      = output->scene->scheme.table;
   const MpmLayout  *l      = march->layout;
   const PetscBool   finite = MpmTableIsFinite(t);
@@ -276,11 +276,12 @@ static PetscErrorCode WriteProperties(MpmOutput *output, const char place[], con
   for (PetscInt w = 0; w < MPM_PROPERTIES; w++) {
     const PetscBool shares = MpmLayoutIsFull(l) && !l->varies[MPM_VOLUME] && !l->varies[MPM_MASS] && !finite;
 
-    if (!names[w] || (w == MPM_STIFFNESS ? !l->varies[w] : shares)) continue;
+    if (!names[w] || (w >= MPM_STIFFNESS ? !l->varies[w] : shares)) continue;
     PetscCall(MpmParticlesGet(march->particles, DMSwarmField_pid, &id));
     for (PetscInt p = 0; p < n; p++) {
       for (PetscInt c = 0; c < components; c++) at[c] = F[c][p];
-      q[p] = unit[w] * MpmMaterialProperty(l, w, id[p]) * (w == MPM_VOLUME && finite ? MpmDeterminant(l->dim, at) : 1);
+      q[p] = MpmMaterialColumn(output->scene, unit, w, id[p]) *
+             (w == MPM_VOLUME && finite ? MpmDeterminant(l->dim, at) : 1);
     }
     PetscCall(MpmParticlesRestore(march->particles, DMSwarmField_pid, &id));
     PetscCall(SetById(march, 1, q, output->by_id));

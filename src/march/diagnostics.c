@@ -99,9 +99,9 @@ static PetscReal SeenSquares(const MpmMarchArrays *at, PetscInt field)
 static PetscReal StressSquares(const MpmMarchArrays *at, PetscInt first)
 {
   const PetscInt   dim = at->march->layout->dim, count = at->march->particles->count;
-  const PetscReal  nu = at->march->scheme->space.poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
-  const PetscReal  of_trace = lambda / (2 * mu * (dim * lambda + 2 * mu));
+  const PetscReal  nu     = at->march->scheme->space.poisson;
   const PetscReal *weight = at->weight[MPM_VOLUME], *stiffness = at->weight[MPM_STIFFNESS];
+  const PetscReal *own = at->weight[MPM_LAMBDA], *shear = at->weight[MPM_SHEAR];
   PetscReal        trace[MPM_BLOCK], squares[MPM_BLOCK], sum = 0;
 
   for (PetscInt begin = 0; begin < count; begin += MPM_BLOCK) {
@@ -110,15 +110,19 @@ static PetscReal StressSquares(const MpmMarchArrays *at, PetscInt first)
     for (PetscInt p = 0; p < n; p++) trace[p] = squares[p] = 0;
     for (PetscInt a = 0, c = first; a < dim; a++)
       for (PetscInt b = a; b < dim; b++, c++) {
-        const PetscReal *q = at->particle[c] + begin, times = (a == b ? 1 : 2) / (2 * mu);
+        const PetscReal *q = at->particle[c] + begin;
 
-        for (PetscInt p = 0; p < n; p++) squares[p] += times * q[p] * q[p];
+        for (PetscInt p = 0; p < n; p++) squares[p] += (a == b ? 1 : 2) * q[p] * q[p];
         for (PetscInt p = 0; p < n && a == b; p++) trace[p] += q[p];
       }
-    for (PetscInt p = 0; p < n; p++) squares[p] -= of_trace * trace[p] * trace[p];
-    for (PetscInt p = 0; p < n && weight; p++) squares[p] *= weight[begin + p];
-    for (PetscInt p = 0; p < n && stiffness; p++) squares[p] /= stiffness[begin + p];
-    for (PetscInt p = 0; p < n; p++) sum += squares[p];
+    for (PetscInt p = 0; p < n; p++) {
+      const PetscReal over   = stiffness ? stiffness[begin + p] : 1;
+      const PetscReal lambda = own ? own[begin + p] / over : nu / (1 - nu);
+      const PetscReal mu     = own ? shear[begin + p] / over : (1 - 2 * nu) / (2 * (1 - nu));
+
+      sum += (weight ? weight[begin + p] : 1) / (2 * mu * over) *
+             (squares[p] - lambda / (dim * lambda + 2 * mu) * trace[p] * trace[p]);
+    }
   }
   return sum;
 }

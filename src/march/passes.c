@@ -243,7 +243,7 @@ static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, Pet
                                      .particle = particle,
                                      .node     = node,
                                      .to_nodes = to_nodes,
-                                     .weight   = MpmLayoutWeight(c->layout, op->kind)}));
+                                     .weight   = MpmLayoutWeight(c->layout, op->kind, op->side)}));
   if (with_mass) {
     pass->sums_mass = PETSC_TRUE;
     c->mass_due     = PETSC_FALSE;

@@ -109,7 +109,7 @@ static PetscReal Visit(const MpmMarch *march, const Placed *placed, PetscInt p, 
 */
 static PetscErrorCode Spread(Plain *m, MpmOpKind kind, PetscInt axis, PetscReal a, const PetscReal *q, PetscReal *to)
 {
-  const PetscReal *by    = m->at.weight[MpmLayoutWeight(m->march->layout, kind)];
+  const PetscReal *by    = m->at.weight[MpmLayoutWeight(m->march->layout, kind, 0)];
   const PetscInt   count = m->march->particles->count;
   Placed           placed;
 
@@ -127,7 +127,7 @@ static PetscErrorCode Spread(Plain *m, MpmOpKind kind, PetscInt axis, PetscReal 
 
 static void Gather(Plain *m, const MpmOp *op, PetscReal a)
 {
-  const PetscReal *by    = m->at.weight[MpmLayoutWeight(m->march->layout, op->kind)];
+  const PetscReal *by    = m->at.weight[MpmLayoutWeight(m->march->layout, op->kind, op->side)];
   const PetscInt   count = m->march->particles->count;
   PetscReal       *q     = FieldOf(m, op->dst);
   Placed           placed;

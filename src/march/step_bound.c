@@ -623,19 +623,21 @@ static PetscReal LambdaOf(const MpmSpace *space, const MpmMaterialNumbers *mater
   return space->poisson / (1 - space->poisson);
 }
 
-/* Lambda of each particle, where they are of several materials. */
+/* Lambda of each particle, where they are of several materials, or Poisson's ratio varies. */
 static PetscErrorCode FindLames(Pass *s)
 {
-  const MpmTable *t     = s->march->scheme->table;
-  const PetscInt  count = s->march->particles->count;
+  const MpmTable  *t     = s->march->scheme->table;
+  const PetscInt   count = s->march->particles->count;
+  const PetscReal *own   = s->at.at.weight[MPM_LAMBDA];
 
   PetscFunctionBegin;
-  if (!t->material.several) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!t->material.several && !own) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscMalloc1(count, &s->lames));
   for (PetscInt p = 0; p < count; p++)
-    s->lames[p] =
-        LambdaOf(&s->march->scheme->space,
-                 MpmMaterialAt(&t->material, s->dim, (const PetscReal *const *)s->at.at.particle + t->stretch, p));
+    s->lames[p] = own ? own[p] / s->at.at.weight[MPM_STIFFNESS][p]
+                      : LambdaOf(&s->march->scheme->space,
+                                 MpmMaterialAt(&t->material, s->dim,
+                                               (const PetscReal *const *)s->at.at.particle + t->stretch, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -186,7 +186,7 @@ static PetscErrorCode WeightOf(Builder *b, MpmOpKind kind, Vec *weight)
 {
   const MpmLayout  *layout   = b->sizes->layout;
   const PetscBool   modulus  = kind == MPM_STRESS && layout->varies[MPM_STIFFNESS] ? PETSC_TRUE : PETSC_FALSE;
-  const MpmProperty property = modulus ? MPM_STIFFNESS : MpmLayoutWeight(layout, kind);
+  const MpmProperty property = modulus ? MPM_STIFFNESS : MpmLayoutWeight(layout, kind, 0);
   PetscReal        *w;
 
   PetscFunctionBegin;

@@ -167,15 +167,15 @@ static PetscErrorCode ParticlesByNodes(const MpmMaps *maps, const MpmOpKind kind
 }
 
 /* The same of an operation. */
-static PetscErrorCode OfKind(const MpmMaps *maps, MpmOpKind kind, PetscInt axis, const MpmParity parity[],
-                             PetscBool drop, Mat *map)
+static PetscErrorCode OfKind(const MpmMaps *maps, MpmOpKind kind, PetscInt axis, PetscInt side,
+                             const MpmParity parity[], PetscBool drop, Mat *map)
 {
   MpmOpKind kinds[MPM_MAX_DIM];
 
   PetscFunctionBegin;
   for (PetscInt a = 0; a < MPM_MAX_DIM; a++) kinds[a] = MpmKindAlong(kind, axis, a);
   PetscCall(ParticlesByNodes(maps, kinds, parity, drop,
-                             maps->places ? MPM_NO_PROPERTY : MpmLayoutWeight(maps->slab->layout, kind), map));
+                             maps->places ? MPM_NO_PROPERTY : MpmLayoutWeight(maps->slab->layout, kind, side), map));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -231,7 +231,7 @@ PetscErrorCode MpmMapsWeights(MpmMaps *maps, MpmOpKind kind, PetscInt axis, Pets
   } else if (kind != MPM_P2G_AFFINE)
     kind = slope ? MPM_G2P_SLOPE : MPM_G2P_AFFINE;
   known = &maps->map[kind][axis][class];
-  if (!*known) PetscCall(OfKind(maps, kind, axis, parity, PETSC_FALSE, known));
+  if (!*known) PetscCall(OfKind(maps, kind, axis, 0, parity, PETSC_FALSE, known));
   *map = *known;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -244,7 +244,7 @@ static PetscErrorCode Masses(MpmMaps *maps)
 
   PetscFunctionBegin;
   if (maps->masses) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(OfKind(maps, MPM_P2G, 0, even, PETSC_FALSE, &shape));
+  PetscCall(OfKind(maps, MPM_P2G, 0, 0, even, PETSC_FALSE, &shape));
   PetscCall(MatCreateVecs(shape, &maps->masses, &ones));
   PetscCall(VecSet(ones, 1));
   PetscCall(MatMultTranspose(shape, ones, maps->masses));
@@ -254,17 +254,18 @@ static PetscErrorCode Masses(MpmMaps *maps)
 }
 
 /* The matrix of a map between particles and nodes. */
-static PetscErrorCode Between(MpmMaps *maps, MpmOpKind kind, PetscInt axis, const MpmParity parity[], Mat *map)
+static PetscErrorCode Between(MpmMaps *maps, MpmOpKind kind, PetscInt axis, PetscInt side, const MpmParity parity[],
+                              Mat *map)
 {
   Mat shape;
   Vec inverse;
 
   PetscFunctionBegin;
   if (MpmOpTraitsOf(kind).dst == MPM_ON_PARTICLES) {
-    PetscCall(OfKind(maps, kind, axis, parity, PETSC_FALSE, map));
+    PetscCall(OfKind(maps, kind, axis, side, parity, PETSC_FALSE, map));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(OfKind(maps, kind, axis, parity, PETSC_FALSE, &shape));
+  PetscCall(OfKind(maps, kind, axis, side, parity, PETSC_FALSE, &shape));
   PetscCall(Masses(maps));
   PetscCall(MpmReciprocals(maps->masses, &inverse));
   PetscCall(MatDiagonalScale(shape, NULL, inverse));
@@ -403,7 +404,7 @@ static PetscErrorCode Solve(MpmMaps *maps, const MpmParity parity[], Mat *map)
 
   PetscFunctionBegin;
   PetscCall(Masses(maps));
-  PetscCall(OfKind(maps, MPM_G2P, 0, parity, PETSC_TRUE, &W));
+  PetscCall(OfKind(maps, MPM_G2P, 0, 0, parity, PETSC_TRUE, &W));
   PetscCall(WeighRoots(maps->slab, W));
   PetscCall(NormalInverse(W, maps->masses, map));
   PetscCall(MatDestroy(&W));
@@ -455,18 +456,19 @@ PetscErrorCode MpmMapsGet(MpmMaps *maps, const MpmOp *op, Mat *map)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
   const MpmParity  *parity = maps->slab->scheme->table->parity[traits.dst == MPM_ON_NODES ? op->dst : op->src];
-  Mat              *known =
-      &maps->map[op->kind][op->axis][op->kind == MPM_WALL ? op->side : ParityClass(maps->slab->layout, parity)];
+  const PetscBool   wall   = op->kind == MPM_WALL ? PETSC_TRUE : PETSC_FALSE;
+  const PetscInt    axes   = op->axis + (wall ? 0 : MPM_MAX_DIM * op->side); /* GRAD has an axis and a modulus */
+  Mat              *known  = &maps->map[op->kind][axes][wall ? op->side : ParityClass(maps->slab->layout, parity)];
 
   PetscFunctionBegin;
-  if (!*known && op->kind == MPM_WALL)
+  if (!*known && wall)
     PetscCall(Wall(maps->slab, op->axis, op->side, known));
   else if (!*known && op->kind == MPM_SOLVE)
     PetscCall(Solve(maps, parity, known));
   else if (!*known && traits.dst == traits.src)
     PetscCall(Stencil(maps->slab, op, parity, known));
   else if (!*known)
-    PetscCall(Between(maps, op->kind, op->axis, parity, known));
+    PetscCall(Between(maps, op->kind, op->axis, op->side, parity, known));
   *map = *known;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -476,7 +478,7 @@ PetscErrorCode MpmMapsEven(const MpmSlab *slab, PetscInt64 step, Mat *map)
   MpmMaps maps = {.slab = slab, .step = step};
 
   PetscFunctionBegin;
-  PetscCall(Between(&maps, MPM_P2G, 0, even, map));
+  PetscCall(Between(&maps, MPM_P2G, 0, 0, even, map));
   PetscCall(MpmMapsDestroy(&maps));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

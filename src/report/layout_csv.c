@@ -7,11 +7,14 @@
 
 PetscErrorCode MpmCriticalWriteLayout(const char path[], const MpmScene *scene, const MpmCritical *c)
 {
-  static const char *const property[MPM_PROPERTIES] = {
-      [MPM_VOLUME] = "volume", [MPM_MASS] = "mass", [MPM_STIFFNESS] = "young", [MPM_MOBILITY] = "fixed"};
-  const MpmLayout *l = &scene->layout;
-  PetscReal        x[MPM_MAX_DIM], unit[MPM_PROPERTIES];
-  MpmTextFile      csv;
+  static const char *const property[MPM_PROPERTIES] = {[MPM_VOLUME]    = "volume",
+                                                       [MPM_MASS]      = "mass",
+                                                       [MPM_STIFFNESS] = "young",
+                                                       [MPM_LAMBDA]    = "poisson",
+                                                       [MPM_MOBILITY]  = "fixed"};
+  const MpmLayout         *l                        = &scene->layout;
+  PetscReal                x[MPM_MAX_DIM], unit[MPM_PROPERTIES];
+  MpmTextFile              csv;
 
   PetscFunctionBegin;
   MpmMaterialUnits(scene, unit);
@@ -19,7 +22,7 @@ PetscErrorCode MpmCriticalWriteLayout(const char path[], const MpmScene *scene, 
   if (csv.stream) {
     fprintf(csv.stream, "%.*s", (int)(2 * l->dim - 1), "x,y,z");
     for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
-      if (l->varies[w]) fprintf(csv.stream, ",%s", property[w]);
+      if (l->varies[w] && property[w]) fprintf(csv.stream, ",%s", property[w]);
     fprintf(csv.stream, ",lone,particle");
     for (PetscInt a = 0; a < l->dim; a++) fprintf(csv.stream, ",mode_%c", "xyz"[a]);
   }
@@ -27,11 +30,8 @@ PetscErrorCode MpmCriticalWriteLayout(const char path[], const MpmScene *scene, 
     MpmLayoutRest(l, id, x);
     for (PetscInt a = 0; a < l->dim; a++)
       fprintf(csv.stream, "%s%.17g", a ? "," : "\n", PetscMin(x[a] * scene->cell_width, scene->length[a]));
-    for (PetscInt w = 0; w < MPM_PROPERTIES; w++) {
-      const PetscReal value = l->varies[w] ? MpmMaterialProperty(l, w, id) : 0;
-
-      if (l->varies[w]) fprintf(csv.stream, ",%.17g", w == MPM_MOBILITY ? 1 - value : unit[w] * value);
-    }
+    for (PetscInt w = 0; w < MPM_PROPERTIES; w++)
+      if (l->varies[w] && property[w]) fprintf(csv.stream, ",%.17g", MpmMaterialColumn(scene, unit, w, id));
     for (PetscInt row = 0; row < 2 + l->dim; row++) MpmTextFileCell(&csv, c->each[row * l->particles + id]);
   }
   if (csv.stream) fprintf(csv.stream, "\n");

@@ -104,6 +104,7 @@ static PetscErrorCode Read(Reader *r, const char path[], MpmDistance *grid)
   ReadAxes(r, &file, "origin", PETSC_FALSE, grid->origin);
   ReadAxes(r, &file, "spacing", PETSC_TRUE, grid->spacing);
   for (PetscInt a = 0; a < r->dim; a++) all *= grid->n[a];
+  if (!r->why[0]) MpmMemoryRoom((PetscReal)all * sizeof(PetscReal), sizeof r->why, r->why);
   if (!r->why[0]) {
     PetscCall(PetscMalloc1(all, &grid->value));
     MpmHdf5ReadArray(&file, "distance", grid->value);

@@ -275,7 +275,7 @@ PetscErrorCode MpmGivenRead(const char where[], const char others[], const char 
   PetscCall(Open(path, others, &r));
   if (!r.why[0]) {
     PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, path,
-                             (PetscReal)r.particles * (PetscReal)sizeof(PetscReal) * (r.columns + MPM_PROPERTIES) *
+                             (PetscReal)r.particles * (PetscReal)sizeof(PetscReal) * (2 * r.columns + 2) *
                                  MpmRanksOf(PETSC_COMM_WORLD),
                              "a copy of the particles on each rank"));
     PetscCall(PetscNew(&given));
@@ -416,23 +416,38 @@ static PetscErrorCode PlaceAlong(const MpmScene *scene, PetscInt a)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Turns E and Poisson's ratio of a particle into lambda + 2 mu, lambda and mu, over the scene's lambda + 2 mu. */
+static void SetLames(const MpmScene *scene, PetscReal *const p[], PetscInt64 id)
+{
+  const PetscInt  dim = scene->layout.dim;
+  const PetscReal nu  = p[MPM_LAMBDA][id];
+
+  p[MPM_STIFFNESS][id] *= MpmMaterialStiffness(dim, nu) / MpmMaterialStiffness(dim, scene->scheme.space.poisson);
+  p[MPM_LAMBDA][id] = p[MPM_STIFFNESS][id] * nu / (1 - nu);
+  p[MPM_SHEAR][id]  = p[MPM_STIFFNESS][id] * (1 - 2 * nu) / (2 * (1 - nu));
+}
+
+static const PetscInt from[MPM_PROPERTIES] = {[MPM_VOLUME]    = VOLUME,
+                                              [MPM_MASS]      = MPM_GIVEN_MASS,
+                                              [MPM_STIFFNESS] = MPM_GIVEN_YOUNG,
+                                              [MPM_LAMBDA]    = MPM_GIVEN_POISSON,
+                                              [MPM_SHEAR]     = MPM_GIVEN_POISSON,
+                                              [MPM_MOBILITY]  = MPM_GIVEN_FIXED};
+
 /* Properties in units of a particle of the scene's material that fills 1 / ppc of a cell. */
 static PetscErrorCode Weigh(MpmScene *scene)
 {
-  static const PetscInt from[MPM_PROPERTIES] = {[MPM_VOLUME]    = VOLUME,
-                                                [MPM_MASS]      = MPM_GIVEN_MASS,
-                                                [MPM_STIFFNESS] = MPM_GIVEN_YOUNG,
-                                                [MPM_MOBILITY]  = MPM_GIVEN_FIXED};
-  MpmLayout            *l                    = &scene->layout;
-  MpmGiven             *given                = l->given;
-  PetscReal             domain               = 1, unit[MPM_PROPERTIES];
-  char                  where[WHERE];
+  MpmLayout *l      = &scene->layout;
+  MpmGiven  *given  = l->given;
+  PetscReal  domain = 1, unit[MPM_PROPERTIES];
+  char       where[WHERE];
 
   PetscFunctionBegin;
   MpmMaterialUnits(scene, unit);
   for (PetscInt a = 0; a < l->dim; a++) domain *= scene->length[a];
   for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) {
     if (!given->column[from[w]] && w != MPM_VOLUME && w != MPM_MASS) continue;
+    if (from[w] == MPM_GIVEN_POISSON && !scene->scheme.space.lames) continue;
     PetscCall(PetscMalloc1(given->particles, &given->property[w]));
     l->varies[w] = PETSC_TRUE;
     for (PetscInt64 id = 0; id < given->particles; id++)
@@ -444,6 +459,7 @@ static PetscErrorCode Weigh(MpmScene *scene)
     if (!given->column[VOLUME]) p[MPM_VOLUME][id] = domain / (PetscReal)given->particles / unit[MPM_VOLUME];
     if (!given->column[MPM_GIVEN_MASS]) p[MPM_MASS][id] = p[MPM_VOLUME][id];
     if (p[MPM_MOBILITY]) p[MPM_MOBILITY][id] = 1 - p[MPM_MOBILITY][id];
+    if (p[MPM_LAMBDA]) SetLames(scene, p, id);
     MpmCheckInput(
         isnormal(p[MPM_VOLUME][id]) && isnormal(p[MPM_MASS][id]) &&
             (!p[MPM_STIFFNESS] || isnormal(p[MPM_STIFFNESS][id])),
@@ -461,19 +477,25 @@ static PetscErrorCode Weigh(MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Stress has one ratio of lambda to mu for all particles. */
-static PetscErrorCode CheckPoisson(const MpmScene *scene)
+/* Where Poisson's ratio varies lambda and mu are those of each particle. */
+static PetscErrorCode CheckPoisson(MpmScene *scene)
 {
   const MpmGiven *given = scene->layout.given;
   const PetscReal nu    = scene->scheme.space.poisson;
   char            where[WHERE];
 
   PetscFunctionBegin;
-  for (PetscInt64 id = 0; given->column[MPM_GIVEN_POISSON] && scene->layout.dim > 1 && id < given->particles; id++)
-    MpmCheckInput(fabs(given->column[MPM_GIVEN_POISSON][id] - nu) <= SAME_RATIO,
-                  "layout %s: %s: poisson %.17g where another particle, or -poisson, has %.17g; allowed: one for all "
-                  "particles",
-                  given->path, Where(given, id, where), given->column[MPM_GIVEN_POISSON][id], nu);
+  for (PetscInt64 id = 0; given->column[MPM_GIVEN_POISSON] && scene->layout.dim > 1 && id < given->particles; id++) {
+    const PetscReal own = given->column[MPM_GIVEN_POISSON][id];
+
+    if (fabs(own - nu) <= SAME_RATIO) continue;
+    scene->scheme.space.lames = PETSC_TRUE;
+    MpmCheckInput(
+        own < 0.5 && nu < 0.5 && given->column[MPM_GIVEN_YOUNG],
+        "layout %s: %s: poisson %.17g where another particle, or -poisson, has %.17g; allowed: different ones "
+        "below 0.5, with a column young",
+        given->path, Where(given, id, where), own, nu);
+  }
   MpmCheckInput(
       !given->column[MPM_GIVEN_YOUNG] || scene->layout.dim == 1 || nu < 0.5,
       "layout %s: young with poisson 0.5 has no finite stiffness; allowed: poisson below 0.5, or no column young",
@@ -517,10 +539,9 @@ PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scen
                 "layout %s: a particle that is held does not drift; allowed: without drift, or without column fixed",
                 given->path);
   if (given->random) {
-    PetscCall(MpmLayoutCheckMemory(PETSC_COMM_WORLD, l,
-                                   (PetscReal)l->sites * sizeof(PetscReal) * (l->dim + MPM_PROPERTIES) *
-                                       MpmRanksOf(PETSC_COMM_WORLD),
-                                   "a copy of the particles on each rank"));
+    PetscCall(MpmLayoutCheckMemory(
+        PETSC_COMM_WORLD, l, (PetscReal)l->sites * sizeof(PetscReal) * (l->dim + 2) * MpmRanksOf(PETSC_COMM_WORLD),
+        "a copy of the particles on each rank"));
     PetscCall(MpmGivenScatter(l));
   }
   for (PetscInt a = 0; a < l->dim; a++) {
@@ -569,7 +590,9 @@ void MpmGivenText(const MpmGiven *given, size_t room, char text[])
     (void)snprintf(text, room, "%s; %s; %s%s%s%s",
                    given->has[0] ? "volumes of the file" : "volume of each: the domain's over the number of particles",
                    given->has[1] ? "masses of the file" : "mass: density times volume",
-                   given->has[2] ? "young of the file" : "moduli of the options",
+                   given->has[2]   ? given->has[3] ? "young and poisson of the file" : "young of the file"
+                   : given->has[3] ? "poisson of the file"
+                                   : "moduli of the options",
                    given->has[MPM_GIVEN_SAID - 1] ? "; particles are held where fixed is 1" : "",
                    given->unused[0] ? "; not used: " : "", given->unused);
 }

@@ -318,9 +318,10 @@ void MpmLayoutSetPpc(MpmLayout *layout, PetscInt ppc)
   layout->particles = layout->sites;
 }
 
-MpmProperty MpmLayoutWeight(const MpmLayout *layout, MpmOpKind kind)
+MpmProperty MpmLayoutWeight(const MpmLayout *layout, MpmOpKind kind, PetscInt side)
 {
-  const MpmProperty weight = MpmOpTraitsOf(kind).weight;
+  const MpmProperty of_kind = MpmOpTraitsOf(kind).weight;
+  const MpmProperty weight  = of_kind == MPM_STIFFNESS ? (MpmProperty)(of_kind + side) : of_kind;
 
   return layout->varies[weight] ? weight : MPM_NO_PROPERTY;
 }

@@ -6,7 +6,7 @@
 #include "scene/material.h"
 #include <math.h>
 
-const char *const MpmPropertyNames[] = {NULL, "mass", "volume", "stiffness", "mobility"};
+const char *const MpmPropertyNames[] = {NULL, "mass", "volume", "stiffness", "lambda", "shear", "mobility"};
 const char *const MpmMaterialNames[] = {"uniform", "two", "graded", NULL};
 
 /* Returns the power to which the ratios are raised at place x, in cells. */
@@ -91,6 +91,20 @@ void MpmMaterialUnits(const MpmScene *scene, PetscReal unit[MPM_PROPERTIES])
   unit[MPM_MASS] = density * unit[MPM_VOLUME];
   unit[MPM_STIFFNESS] =
       density * PetscSqr(scene->wave_speed) / MpmMaterialStiffness(scene->layout.dim, scene->scheme.space.poisson);
+}
+
+PetscReal MpmMaterialColumn(const MpmScene *scene, const PetscReal unit[], MpmProperty property, PetscInt64 id)
+{
+  const MpmLayout *l     = &scene->layout;
+  const PetscReal  value = MpmMaterialProperty(l, property, id);
+  PetscReal        ratio;
+
+  if (property == MPM_MOBILITY) return 1 - value;
+  if (!l->varies[MPM_LAMBDA] || (property != MPM_STIFFNESS && property != MPM_LAMBDA)) return unit[property] * value;
+  ratio = MpmMaterialProperty(l, MPM_LAMBDA, id) / MpmMaterialProperty(l, MPM_STIFFNESS, id);
+  if (property == MPM_LAMBDA) return ratio / (1 + ratio);
+  return unit[property] * value * MpmMaterialStiffness(l->dim, scene->scheme.space.poisson) /
+         MpmMaterialStiffness(l->dim, ratio / (1 + ratio));
 }
 
 void MpmMaterialOne(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[], const PetscReal dF[],

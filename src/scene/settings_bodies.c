@@ -386,8 +386,8 @@ static PetscErrorCode PlaceAll(MpmBlockReader *r)
     PetscCall(PetscMalloc1((size_t)room, &l->given->column[a]));
     PetscCall(PetscMalloc1((size_t)room, &l->given->velocity[a]));
   }
-  for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++)
-    if (w != MPM_MOBILITY) PetscCall(PetscMalloc1((size_t)room, &l->given->property[w]));
+  for (PetscInt w = MPM_NO_PROPERTY + 1; w <= MPM_STIFFNESS; w++)
+    PetscCall(PetscMalloc1((size_t)room, &l->given->property[w]));
   PetscCall(SetMaterials(r, room));
   for (r->n = 0; r->n < n; r->n++) PetscCall(Place(r, n, unit));
   for (PetscInt w = MPM_NO_PROPERTY + 1; w < MPM_PROPERTIES; w++) { /* what all particles have alike is not kept */

@@ -223,11 +223,15 @@ static PetscErrorCode GradAhead(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* s_ab += lambda delta_ab sum_c GRAD_c v_c + mu (GRAD_b v_a + GRAD_a v_b), with lambda + 2 mu = 1 */
+/*
+   s_ab += lambda delta_ab sum_c GRAD_c v_c + mu (GRAD_b v_a + GRAD_a v_b), with lambda + 2 mu = 1, or with the moduli of
+   each particle.
+*/
 static PetscErrorCode GradToStress(MpmTableBuilder *b, const MpmOp *op)
 {
   const PetscInt  dim = b->space->dim, s = b->particle[op->dst], v = b->node[op->src];
   const PetscReal nu = b->space->poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
+  MpmOp           of_lambda = *op, of_mu = *op;
 
   PetscFunctionBegin;
   if (MpmSpaceIsFluid(b->space)) {
@@ -238,13 +242,21 @@ static PetscErrorCode GradToStress(MpmTableBuilder *b, const MpmOp *op)
     PetscCall(GradToPrestressed(b, op));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
+  if (b->space->lames) {
+    of_lambda.side = MPM_LAMBDA - MPM_STIFFNESS;
+    of_mu.side     = MPM_SHEAR - MPM_STIFFNESS;
+  } else {
+    of_lambda.factor *= lambda;
+    of_mu.factor *= mu;
+  }
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt c = 0; c < dim; c++)
-      if (c == a || lambda > 0)
-        PetscCall(MpmBuilderTerm(b, op, s + MpmSpaceStress(b->space, a, a), v + c, c, c == a ? 1 : lambda, PETSC_TRUE));
+      if (c == a || of_lambda.factor != 0)
+        PetscCall(
+            MpmBuilderTerm(b, c == a ? op : &of_lambda, s + MpmSpaceStress(b->space, a, a), v + c, c, 1, PETSC_TRUE));
     for (PetscInt c = a + 1; c < dim; c++) {
-      PetscCall(MpmBuilderTerm(b, op, s + MpmSpaceStress(b->space, a, c), v + a, c, mu, PETSC_TRUE));
-      PetscCall(MpmBuilderTerm(b, op, s + MpmSpaceStress(b->space, a, c), v + c, a, mu, PETSC_TRUE));
+      PetscCall(MpmBuilderTerm(b, &of_mu, s + MpmSpaceStress(b->space, a, c), v + a, c, 1, PETSC_TRUE));
+      PetscCall(MpmBuilderTerm(b, &of_mu, s + MpmSpaceStress(b->space, a, c), v + c, a, 1, PETSC_TRUE));
     }
   }
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -31,7 +31,8 @@ static PetscErrorCode CheckOp(const MpmTable *t, PetscInt o, PetscBool written[]
   SUPPORTED(op->axis >= 0 && op->axis < MPM_AXES && MpmAxesFirst(op->axis) < t->dim && MpmAxesSecond(op->axis) < t->dim,
             o, "there is no such axis");
   SUPPORTED(op->axis < MPM_MAX_DIM || traits.first, o, "this kind acts along one axis");
-  SUPPORTED(op->side == 0 || op->side == 1, o, "an axis has the sides 0 and 1");
+  SUPPORTED(op->side >= 0 && op->side <= (traits.weight == MPM_STIFFNESS ? MPM_SHEAR - MPM_STIFFNESS : 1), o,
+            "an axis has the sides 0 and 1, and GRAD 0 to 2");
   SUPPORTED(op->coefficient >= 0, o, "powers of the Courant number are 0, 1, 2 and so on");
   if (traits.dst == MPM_NOWHERE) PetscFunctionReturn(PETSC_SUCCESS);
   SUPPORTED(op->dst >= 0 && op->dst < (to_nodes ? nodes : particles), o,

@@ -11,11 +11,12 @@ import re
 import sys
 import tempfile
 import os
+import subprocess
 
 import h5py
 import numpy as np
 
-from checks import check, forks
+from checks import check, check_one_line, forks
 
 MPIEXEC, MPMSTAB = sys.argv[1:]
 SCENE = ("-dim 2 -kinematics finite -formulation usl -basis quadratic -cells 16 -length 1 -boundary free -ppc 2 "
@@ -203,6 +204,12 @@ def check_bad_distance():
         lines = done.stderr.strip().splitlines()
         check(done.returncode == 2 and len(lines) == 1 and f"bodies: path of body 1: bad.h5: {says}" in lines[0],
               f"{says}: status {done.returncode}: {done.stderr}")
+    with h5py.File("large.h5", "w") as file:  # zeros, which a file of 8 MB can have packed; as numbers they take twice what the shell grants
+        file.create_dataset("distance", (32000, 32000), chunks=(1000, 1000))
+        file["origin"], file["spacing"], file["more"] = [0, 0], 1e-3, np.zeros(1000000)
+    done = subprocess.run(["sh", "-c", 'ulimit -v 4000000 && exec "$@"', "sh", MPMSTAB, "run", *SCENE, "-courant", "0.2", "-steps", "1", "-bodies",
+                           "{shape: distance, path: large.h5}"], capture_output=True, text=True, check=False)
+    check_one_line(done, "a distance larger than memory", "bodies: path of body 1: large.h5: to read it takes about 7.6 GB; allowed: ")
 
 
 def bound_of(modulus, *words):

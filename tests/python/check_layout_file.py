@@ -8,6 +8,8 @@ check_layout_file.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent whe
 import csv
 import itertools
 import math
+import os
+import subprocess
 import sys
 
 import h5py
@@ -128,6 +130,22 @@ def check_many():
         check(beyond["spectral_radius"] > 1 + 1e-5, f"{scheme}: {beyond['spectral_radius']} beyond the limit")
 
 
+def check_long():
+    """A file with more lines than memory has room for ends in one message, in the memory of a short file."""
+    with open("long.csv", "w", encoding="utf-8") as file:
+        file.write("x\n")
+        for _ in range(100):
+            file.write("0\n" * 100000)
+    with open("said", "w", encoding="utf-8") as said:
+        process = subprocess.Popen(["sh", "-c", 'ulimit -v 500000 && exec "$@"', "sh", sys.argv[2], *"critical usl -cells 4 -length 4 -layout long.csv".split()],
+                                   stdout=subprocess.DEVNULL, stderr=said)
+        _, status, used = os.wait4(process.pid, 0)
+    error = open("said", encoding="utf-8").read()
+    check(os.waitstatus_to_exitcode(status) == 2 and len(error.splitlines()) == 1 and
+          "long.csv: a copy of the particles on each rank needs about 0.3 GB" in error, f"status {status}: {error}")
+    check(used.ru_maxrss < 100000, f"a file that is refused took {used.ru_maxrss} kB")
+
+
 def check_field_output():
     """The last step of field output is the layout of its places, volumes and masses. A checkpoint is not one, and says why."""
     words = "-formulation usl -kinematics finite -material neo -dim 2 -cells 6 -basis quadratic -courant 0.3 -amplitude 0.05"
@@ -228,13 +246,44 @@ def check_refusals():
                   "ensemble -layout good.csv"):
         _, error = run(words, 1, 2)
         check(len(error.splitlines()) == 1, f"{words}: {error}")
-    write("poisson.csv", "x,y,poisson", [[0.1, 0.1, 0.3], [0.2, 0.2, 0.2]])
-    _, error = run("critical usl -dim 2 -layout poisson.csv", 1, 2)
-    check("line 3: poisson 0.2" in error, error)
+    for header, more in (("x,y,poisson", 0.2), ("x,y,poisson,young", 0.5)):  # a modulus for each ratio, which is below 1/2
+        write("poisson.csv", header, [[0.1, 0.1, 0.3, 1], [0.2, 0.2, more, 1]])
+        text = open("poisson.csv", encoding="utf-8").read().replace(",1.0", "" if "young" not in header else ",1.0")
+        with open("poisson.csv", "w", encoding="utf-8") as file:
+            file.write(text)
+        _, error = run("critical usl -dim 2 -layout poisson.csv", 1, 2)
+        check(f"line 3: poisson {more}" in error and "with a column young" in error, error)
+
+
+def check_poisson():
+    """Poisson's ratios of the particles: those of the option where all are alike; march and operator agree, on any ranks; energy stays."""
+    rng = numpy.random.default_rng(4)
+    for dim, cells, ranks in ((2, 6, 3), (3, 4, 2)):
+        places = rng.random((4 * cells ** dim // dim ** 2, dim)) * cells
+        n, nu = len(places), rng.uniform(0, 0.45, len(places))
+        columns, header = numpy.column_stack([places, rng.uniform(0.5, 1.5, (n, 2))]), "x,y,z"[:2 * dim - 1] + ",young,mass,poisson"
+        scheme = f"usl -dim {dim} -basis quadratic -cells {cells} -length {','.join([str(cells)] * dim)}"
+        write("alike.csv", header, numpy.column_stack([columns, numpy.full(n, 0.2)]))
+        same(limit(f"{scheme} -layout alike.csv -poisson 0.4"), limit(f"{scheme} -layout alike.csv"),
+             "ratios that are not the option's", 1e-9)
+        write("mixed.csv", header, numpy.column_stack([columns, nu]))
+        found = run(f"critical {scheme} -layout mixed.csv -write_layout back.csv", 2)[1]["critical"]
+        same(limit(f"{scheme} -layout back.csv -poisson {float(nu[0])!r}"), found["critical_courant"], "ratios written and read again", 1e-9)
+        words = f"-formulation musl {scheme[4:]} -layout mixed.csv"
+        check(run(f"spectrum {words} -courant 0.3")[1]["spectrum"]["step_mismatch"] < 1e-12, "operator and march differ")
+        runs = [run(f"run {words} -courant 0.3 -initial random -steps 30 -output nu.h5 {way}", count)[1]["run"]["energy"]["final"]
+                for count, way in ((1, ""), (ranks, ""), (1, "-march plain"))]
+        for other in runs[1:]:
+            same(runs[0], other, "energies on ranks and of the plain march", 1e-11)
+        same(limit(f"{scheme} -layout nu.h5"), found["critical_courant"], "field output", 1e-9)
+        energy = run(f"run -formulation rk -rk_on particles {scheme[4:]} -layout mixed.csv -courant 0.005 -initial random -steps 20")[1]["run"]["energy"]
+        same(energy["initial"], energy["final"], "the energy of short steps that keep it", 1e-9)
 
 
 check_lattices()
 check_materials()
+check_poisson()
+check_long()
 check_ranks()
 check_random()
 check_many()

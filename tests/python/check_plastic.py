@@ -144,8 +144,25 @@ def check_surface():
         check(("verdict: unstable" in said) == (courant == "2.2"), said)
 
 
+def check_failure():
+    """A return that does not converge ends the run with one message and the state of the step before, from which a run fails alike."""
+    scene = ("-kinematics finite -dim 2 -formulation usl -basis quadratic -material clay -yield 1000 -hardening 50 -cells 6 -initial random -amplitude 0.5 "
+             "-courant 0.05 -steps 60").split()
+    for ranks in (1, 3):
+        failed = run(ranks, *scene, "-checkpoint", "last.h5")
+        says, end, left = failed.stderr.strip().partition("; the checkpoint has the state of step ")
+        step = int(left or 0)
+        check(failed.returncode == 1 and len(failed.stderr.splitlines()) == 1 and step > 1 and f": step {step + 1}: particle " in says
+              and " with the stretch F = " in says and says.endswith(" does not come back to the yield surface of material clay"), failed.stderr)
+        again = run(1, *scene, "-restart", "last.h5")
+        check(again.returncode == 1 and again.stderr.strip() == says, f"from the last whole state: {again.stderr}")
+        said = done(1, *scene[:-1], str(step), "-restart", "last.h5")
+        check(f"the checkpoint last.h5 is of the last step, {step}: nothing is left" in said, said)
+
+
 check_wave()
 check_steps()
 check_ranks()
 check_refusals()
 check_surface()
+check_failure()

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""Checks limit and bounds of layouts from CSV files against dense linear algebra of their own: random layouts in one and two
-dimensions, with hats, quadratic and cubic splines, one to four particles a cell, voids, two materials and walls.
+"""Checks limit and bounds of layouts from CSV files against dense linear algebra of their own: random layouts in one to three
+dimensions, with hats, quadratic and cubic splines, one to four particles a cell, voids, two materials, Poisson's ratios of each particle
+and walls.
 
 check_step_bounds.py MPIEXEC MPMSTAB, in a folder that may be filled. Silent when all is well.
 """
@@ -70,18 +71,23 @@ def reference(degree, x, cells, walls, volume, mass, young, nu):
     m = even.T @ mass
     free = (m > 0) & (np.abs(weight).sum(0) + sum(np.abs(g).sum(0) for g in slope) > 0)
     weight, even, m, slope = weight[:, free], even[:, free], m[free], [g[:, free] for g in slope]
-    lam, mu = (nu / (1 - nu), (1 - 2 * nu) / (2 * (1 - nu))) if dim == 2 else (0, 0.5)
-    C = np.array([[1.0]]) if dim == 1 else np.array([[lam + 2 * mu, lam, 0], [lam, lam + 2 * mu, 0], [0, 0, mu]])
-    root = np.linalg.cholesky(C + 0 * np.eye(len(C)))
+    shears = [(a, b) for a in range(dim) for b in range(a)]
+
+    def root(p):  # of the stiffness of particle p, with lambda + 2 mu = 1
+        lam, mu = (nu[p] / (1 - nu[p]), (1 - 2 * nu[p]) / (2 * (1 - nu[p]))) if dim > 1 else (0, 0.5)
+        C = mu * np.diag([2.0] * dim + [1.0] * len(shears))
+        C[:dim, :dim] += lam
+        return np.linalg.cholesky(C)
 
     def B(p, scale):  # engineering strains of particle p
         g = [s[p] * scale for s in slope]
-        if dim == 1:
-            return g[0][None]
-        n, out = len(m), np.zeros((3, 2 * len(m)))
-        out[0, :n], out[1, n:], out[2, :n], out[2, n:] = g[0], g[1], g[1], g[0]
-        return out
-    rows = [root.T @ B(p, 1 / np.sqrt(m)) * math.sqrt(volume[p] * young[p]) for p in range(len(x))]
+        out = np.zeros((dim + len(shears), dim, len(m)))
+        for a in range(dim):
+            out[a, a] = g[a]
+        for row, (a, b) in enumerate(shears, dim):
+            out[row, a], out[row, b] = g[b], g[a]
+        return out.reshape(len(out), -1)
+    rows = [root(p).T @ B(p, 1 / np.sqrt(m)) * math.sqrt(volume[p] * young[p]) for p in range(len(x))]
     L = np.concatenate(rows)
     A = np.kron(np.eye(dim), (weight / np.sqrt(m)).T @ (mass[:, None] * (weight / np.sqrt(m))))
     usl = math.sqrt(2 / largest(L @ (np.eye(len(A)) - A / 2) @ L.T))
@@ -92,7 +98,7 @@ def reference(degree, x, cells, walls, volume, mass, young, nu):
     with np.errstate(divide="ignore", invalid="ignore"):
         alone = np.where(norm > 0, np.sqrt(volume[:, None] * young[:, None] / (mass[:, None] * even)), 0)
         share = np.where(norm > 0, np.sqrt(young[:, None] * (volume @ norm) / (m * norm)), 0)
-    lone, particle = (max(largest(b @ b.T) for b in (root.T @ B(p, s[p]) for p in range(len(x))))
+    lone, particle = (max(largest(b @ b.T) for b in (root(p).T @ B(p, s[p]) for p in range(len(x))))
                       for s in (alone, share))
     return usl, musl, lone, particle, largest(L @ L.T)
 
@@ -101,7 +107,7 @@ def reference(degree, x, cells, walls, volume, mass, young, nu):
 
 def layout(rng, dim, ppc, voids):
     """Random particles with volumes, in some of the cells."""
-    cells = (9,) if dim == 1 else (5, 4)
+    cells = ((9,), (5, 4), (3, 2, 2))[dim - 1]
     n = ppc * math.prod(cells)
     x = rng.random((n, dim)) * cells
     if voids:
@@ -117,14 +123,14 @@ def compare(rng, case, dim, degree, ppc, voids, two, walls):
     heavy = x[:, 0] > cells[0] / 2
     mass = volume * np.where(heavy & two, 5, 1)
     young = np.where(heavy & two, 20.0, 1.0)
-    ends = [walls] if dim == 1 else [False, walls]
-    nu = 0.25
+    ends = [False] * (dim - 1) + [walls]
+    nu = rng.uniform(0, 0.49, len(x)) if case % 2 else np.full(len(x), 0.25)
     modulus = 1 if dim == 1 else (1 - nu) / ((1 + nu) * (1 - 2 * nu))
     h, rho, c = 0.5, 3.0, 2.0
     columns = [*(x * h).T, volume * h ** dim, mass * rho * h ** dim, young * rho * c * c / modulus]
-    header = "x,y"[:2 * dim - 1] + ",volume,mass,young"
-    if dim == 2:
-        columns.append(np.full(len(x), nu))
+    header = "x,y,z"[:2 * dim - 1] + ",volume,mass,young"
+    if dim > 1:
+        columns.append(nu)
         header += ",poisson"
     np.savetxt("layout.csv", np.stack(columns, 1), delimiter=",", header=header, comments="", fmt="%.17g")
     usl, musl, lone, particle, most = reference(degree, x, cells, ends, volume, mass, young, nu)
@@ -151,6 +157,6 @@ def compare(rng, case, dim, degree, ppc, voids, two, walls):
 
 random = np.random.default_rng(7)
 for number in range(16):
-    for dimension in (1, 2):
+    for dimension in (1, 2, 3) if number % 4 == 1 else (1, 2):
         compare(random, number, dimension, 1 + number % 3, 1 + number % 4, number % 5 > 2, number % 2 == 1,
                 number % 7 > 4)

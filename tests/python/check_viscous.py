@@ -3,17 +3,19 @@
 
 check_viscous.py MPIEXEC MPMSTAB. Silent when all is well.
 """
+import os
 import sys
 
 import numpy as np
 
-from checks import check, check_one_line, check_same_runs, forks, loaded, on_ranks, particles
+from checks import ROOT, check, check_one_line, check_same_runs, forks, loaded, on_ranks, particles, text_of
 
 MPMSTAB = sys.argv[-1]
 SHOCK = "-kinematics finite -formulation musl -basis quadratic -ppc 4 -material gas -initial shock_tube -boundary fixed -courant 0.2 -time 0.15"
 COLLISION = ("-kinematics finite -formulation musl -basis quadratic -ppc 2 -material gas -initial collision -mach 0.5 -boundary fixed "
              "-cells 64 -courant auto")
 UINTAH = "-artificial_linear 0.2 -artificial_quadratic 2"
+EXAMPLE = os.path.join(ROOT, "examples", "channel-flow")
 
 
 def run(words, ranks=1, task="run"):
@@ -50,13 +52,30 @@ def poiseuille(cells, limit, consistency, index, largest, options):
     return np.mean(abs(flow["v_x"] - exact)) / below[-1]
 
 
+def start_up(cells):
+    """The same of the example channel-flow, in which a Newtonian liquid is still faster and faster: a sum over waves between the walls."""
+    g, viscosity, time = 0.02, 0.05, 2
+    process = on_ranks(1, MPMSTAB, "run", os.path.join(EXAMPLE, "scene.yaml"), "-cells", f"4,{cells}", "-length", f"{4 / cells},1",
+                       "-shear_viscosity", str(viscosity * cells), "-output", "flow.h5")
+    check(process.returncode == 0, f"channel-flow: {process.stderr}")
+    flow = particles("flow.h5")
+    n = np.pi * np.arange(1, 200, 2)[:, None]
+    exact = (4 * g / (viscosity * n ** 3) * np.sin(n * flow["coordinates"][:, 1]) * -np.expm1(-viscosity * n ** 2 * time)).sum(0)
+    return np.mean(abs(flow["v_x"] - exact)) / exact.max()
+
+
 def check_flows():
-    """Order 2 of the parabola, and of a plug between thin layers that shear."""
+    """Order 2 of the parabola, of its start, and of a plug between thin layers that shear."""
     for name, numbers, options, error in (("newtonian", (0, 0.05, 1, 0.5), "-courant 0.2", 0.009),
                                           ("bingham", (0.004, 0.05, 1, 0.5), "-courant 0.2", 0.016),
                                           ("herschel_bulkley", (0.004, 0.03, 0.5, 0.5), "-courant auto", 0.017)):
         coarse, fine = (poiseuille(cells, *numbers, options) for cells in (8, 16))
         check(fine < error and coarse / fine > 2.8, f"{name}: errors {coarse}, {fine}")
+    errors = [start_up(cells) for cells in (8, 16, 32)]
+    check(errors[0] / errors[1] > 3.5 and errors[1] / errors[2] > 3.5, f"channel-flow: errors {errors}")
+    page = text_of(os.path.join(EXAMPLE, "README.md"))
+    for cells, error in zip((8, 16, 32), errors):
+        check(f"| {cells} | {error:.4f} |" in page, f"the page of channel-flow does not have the error {error:.4f}")
 
 
 def check_newtonian():
@@ -80,6 +99,40 @@ def check_shock():
         check(not words or (e[2] < 0.45 * error[""][2] and e[0] / e[1] > 1.5 and e[1] / e[2] > 1.65), f"shock: {error}")
     ends = [found(f"{COLLISION} {words} -time 0.3")["energy"]["final"] for words in ("", UINTAH)]
     check(ends[1] < 0.9 * ends[0], f"energies at the end of a collision: {ends}")
+
+
+def noh(velocity, words):
+    """Two streams of gas meet: of the shock to the left its speed, the density and velocity behind it, and how the densities scatter."""
+    fronts = []
+    for time in ("0.06", "0.1"):
+        found(f"-kinematics finite -formulation usl -transfer apic -gradient mls -basis quadratic -ppc 4 -material gas -initial collision -mach "
+              f"{velocity} -boundary fixed -cells 256 -courant 0.1 -time {time} {words} -output noh.h5")
+        gas = particles("noh.h5")
+        order = np.argsort(gas["coordinates"][:, 0])
+        x, v, density = gas["coordinates"][order, 0], gas["v"][order], 1 / gas["f"][order]
+        left = (x > 0.25) & (x < 0.5)
+        fronts.append(np.interp(-velocity / 2, -v[left], x[left]))
+    behind = (x > fronts[1] + 0.3 * (0.5 - fronts[1])) & (x < 0.5 - 0.3 * (0.5 - fronts[1]))
+    return (fronts[0] - fronts[1]) / 0.04, np.median(density[behind]), np.median(v[behind]), np.std(density[behind]) / np.mean(density[behind])
+
+
+def check_jump():
+    """
+    Noh's problem in a gas at constant temperature, p = rho: gas of the velocity V and the density 1 comes to rest at a shock. In the
+    stream the shock has the speed S, and mass and momentum jump by rho (S - V) = S and rho - 1 = S V: S^2 - S V = 1 and rho = S^2.
+    """
+    scatters = []
+    for velocity in (0.5, 2):
+        speed = velocity / 2 + np.hypot(velocity / 2, 1)
+        way, density, rest, scatter = noh(velocity, UINTAH)
+        for what, off in (("speed of the shock", way / (speed - velocity) - 1), ("density", density / speed ** 2 - 1), ("velocity", rest / speed),
+                          ("jump of the mass", density * way / (way + velocity) - 1),
+                          ("jump of the momentum", (density - 1) / ((way + velocity) * velocity) - 1)):
+            check(abs(off) < 0.01, f"two streams of {velocity} c: the {what} is off by {off}")
+        scatters.append((scatter, noh(velocity, "")[3]))
+    (slow, slow_bare), (fast, fast_bare) = scatters
+    says = f"scatter by {100 * slow:.1f} and {100 * fast:.0f} %, without the viscosity by {100 * slow_bare:.1f} and {100 * fast_bare:.0f} %"
+    check(says in " ".join(text_of(os.path.join(ROOT, "docs", "floors.md")).split()), f"docs/floors.md does not say: {says}")
 
 
 def check_steps():
@@ -129,6 +182,7 @@ def check_refusals():
 check_flows()
 check_newtonian()
 check_shock()
+check_jump()
 check_steps()
 check_ranks()
 check_refusals()
