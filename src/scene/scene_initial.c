@@ -94,17 +94,6 @@ static PetscBool Fits(const Mode *m, PetscInt a)
   return symmetry && m->wave.direction[a] == 0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* The sine and cosine factors of the mode make a wave with this phase at X = 0. */
-static PetscReal PhaseOf(const Mode *m)
-{
-  PetscInt sines = m->free > 0;
-
-  for (PetscInt a = 0; a < m->scene->layout.dim; a++)
-    if (m->ends[a] && IsAlong(m, a) && m->odd[a][0]) sines++;
-  if (m->vector) sines = PetscMin(sines, 1); /* each component is odd in one direction at most */
-  return (1 - sines) * (PETSC_PI / 2);
-}
-
 /*
    Adds the images of the waves that there are so far, in all directions with ends but the first that the mode goes in.
 */
@@ -133,7 +122,8 @@ static void SetMode(const MpmScene *scene, MpmProfile *p)
   const MpmSpace *space   = &scene->scheme.space;
   const PetscReal mu      = (1 - 2 * p->poisson) / (2 * (1 - p->poisson));
   PetscReal       squares = 0;
-  Mode            m       = {.scene = scene, .wave = {.weight = 1}};
+  PetscInt        sines;
+  Mode            m = {.scene = scene, .wave = {.weight = 1}};
 
   m.vector =
       scene->layout.dim > 1 && scene->scheme.formulation->particle_ranks[0] == MPM_VECTOR ? PETSC_TRUE : PETSC_FALSE;
@@ -145,7 +135,11 @@ static void SetMode(const MpmScene *scene, MpmProfile *p)
              (space->damping +
               (space->viscous[1] + (scene->polarisation == MPM_S_WAVE ? 0 : space->viscous[0] + space->viscous[1])) *
                   squares * PetscSqr(p->cell_width));
-  p->phase = PhaseOf(&m);
+  /* the sine and cosine factors of the mode make a wave with this phase at X = 0 */
+  sines = m.free > 0;
+  for (PetscInt a = 0; a < p->dim; a++) sines += m.ends[a] && IsAlong(&m, a) && m.odd[a][0];
+  if (m.vector) sines = PetscMin(sines, 1); /* each component is odd in one direction at most */
+  p->phase = (1 - sines) * (PETSC_PI / 2);
   for (PetscInt a = 0; a < p->dim; a++) m.wave.normal[a] = m.K[a] / p->wavenumber;
   SetDirection(scene, m.wave.normal, m.wave.direction);
   for (PetscInt a = 0; a < p->dim; a++)

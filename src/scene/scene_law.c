@@ -324,14 +324,6 @@ static PetscErrorCode CheckEquilibrium(const MpmSettings *settings, const MpmSce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a direction's second derivatives are in the force: the state has a stress on planes across it. */
-static PetscBool IsLoaded(const MpmSpace *space, PetscInt a)
-{
-  for (PetscInt b = 0; b < space->dim; b++)
-    if (MpmSpacePrestress(space, a, b) != 0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* Whether a particle of a direction is at a place xi in its cell, or the same distance to the left, in any step. */
 static PetscErrorCode HasParticleAt(const MpmScene *scene, PetscInt a, PetscReal place, PetscBool *has)
 {
@@ -367,13 +359,16 @@ static PetscErrorCode CheckTies(const MpmSettings *settings, const MpmScene *sce
   const MpmLayout *l     = &scene->layout;
   const MpmSpace  *space = &scene->scheme.space;
   const MpmBasis  *basis = scene->scheme.basis;
-  PetscBool        has;
+  PetscBool        has, loaded;
 
   PetscFunctionBegin;
   if (!space->displaced || (space->curved && (basis->smooth || space->gradient == MPM_GRADIENT_MLS)))
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < l->dim; a++) {
-    if (space->curved && !IsLoaded(space, a)) continue;
+    loaded = PETSC_FALSE; /* second derivatives of a direction are in the force if there is a stress across it */
+    for (PetscInt b = 0; b < space->dim; b++)
+      if (MpmSpacePrestress(space, a, b) != 0) loaded = PETSC_TRUE;
+    if (space->curved && !loaded) continue;
     PetscCall(HasParticleAt(scene, a, !space->curved ? 0 : basis->wide ? l->half_width[a] : 0.5, &has));
     if (!has) continue;
     PetscCall(Refuse(
