@@ -309,7 +309,7 @@ static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
   PetscInt64 ppc[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  if (l->dim > 1) PetscCall(MpmSettingsRefuseUnless(settings, "counts", "dim", "allowed: only with dim 1"));
+  STANDS("counts", "dim", l->dim > 1, "allowed: only with dim 1");
   c->n = 1;
   if (MpmSettingsGiven(settings, "counts") && l->dim == 1)
     PetscCall(MpmSettingsList(settings, "counts", MPM_MAX_COUNTS, &c->n, c->of));
