@@ -505,18 +505,15 @@ static PetscErrorCode CheckPoisson(MpmScene *scene)
 
 PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scene)
 {
-  static const char *const of_sites[] = {"counts", "offset",        "cluster",         "fill",
-                                         "shape",  "density_ratio", "stiffness_ratio", "inclusion"};
-  MpmLayout               *l          = &scene->layout;
-  MpmGiven                *given      = l->given;
+  MpmLayout *l     = &scene->layout;
+  MpmGiven  *given = l->given;
 
   PetscFunctionBegin;
   if (!given) PetscFunctionReturn(PETSC_SUCCESS);
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(of_sites); i++)
-    PetscCall(MpmSettingsRefuseUnless(settings, of_sites[i], given->of_bodies ? "bodies" : "layout",
-                                      given->of_bodies
-                                          ? "the particles are those of the option bodies; allowed: without bodies"
-                                          : "the particles are those of the option layout; allowed: without layout"));
+  STANDS("counts,offset,cluster,fill,shape,density_ratio,stiffness_ratio,inclusion",
+         given->of_bodies ? "bodies" : "layout", PETSC_TRUE,
+         given->of_bodies ? "the particles are those of the option bodies; allowed: without bodies"
+                          : "the particles are those of the option layout; allowed: without layout");
   l->sites = l->particles = given->random ? l->sites : given->particles;
   if (given->of_bodies) {
     for (PetscInt a = 0; a < l->dim; a++) {
@@ -525,10 +522,9 @@ PetscErrorCode MpmSettingsPlaceGiven(const MpmSettings *settings, MpmScene *scen
     }
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (!scene->scheme.basis->wide && !given->random)
-    PetscCall(MpmSettingsRefuseUnless(settings, "ppc", "layout",
-                                      "the particles are those of the file layout; allowed: with basis gimp, where "
-                                      "1 / ppc is the width of a particle, or without layout"));
+  STANDS("ppc", "layout", !scene->scheme.basis->wide && !given->random,
+         "the particles are those of the file layout; allowed: with basis gimp, where 1 / ppc is the width of a "
+         "particle, or without layout");
   MpmCheckInput(
       !scene->scheme.space.finite,
       "layout %s: its particles are at rest and have no stretch; allowed: without kinematics finite, or as one "

@@ -326,22 +326,15 @@ MpmProperty MpmLayoutWeight(const MpmLayout *layout, MpmOpKind kind, PetscInt si
   return layout->varies[weight] ? weight : MPM_NO_PROPERTY;
 }
 
-static void Append(char text[], size_t room, const char format[], PetscInt number)
-{
-  char part[32];
-
-  (void)snprintf(part, sizeof part, format, number);
-  MpmTextJoin(text, part, room);
-}
-
 void MpmLayoutSizeText(const MpmLayout *layout, size_t room, char text[])
 {
-  text[0] = 0;
-  for (PetscInt a = 0; a < layout->dim; a++)
-    Append(text, room, a ? ",%" PetscInt_FMT : "cells %" PetscInt_FMT, layout->grid[a].cells);
-  for (PetscInt a = 0; a < layout->dim && !layout->given; a++)
-    Append(text, room, a ? ",%" PetscInt_FMT : " with ppc %" PetscInt_FMT, layout->ppc[a]);
-  if (layout->given) (void)snprintf(text + strlen(text), room - strlen(text), " with layout %s", layout->given->path);
+  size_t n = 0;
+
+  for (PetscInt a = 0; a < layout->dim && n < room; a++)
+    n += (size_t)snprintf(text + n, room - n, "%s%" PetscInt_FMT, a ? "," : "cells ", layout->grid[a].cells);
+  for (PetscInt a = 0; a < layout->dim && !layout->given && n < room; a++)
+    n += (size_t)snprintf(text + n, room - n, "%s%" PetscInt_FMT, a ? "," : " with ppc ", layout->ppc[a]);
+  if (layout->given && n < room) (void)snprintf(text + n, room - n, " with layout %s", layout->given->path);
 }
 
 PetscErrorCode MpmLayoutCheckMemory(MPI_Comm comm, const MpmLayout *layout, PetscReal bytes, const char what[])

@@ -97,8 +97,9 @@ S*/
 typedef struct {
   const char *task; /* its name */
 
-  /* of a run: it writes output_every and checkpoint_every so many steps, and at the last one; with output_interval above
-     0 output comes after this time. end: of a run that chooses its steps, the time at which it ends; 0: after its steps */
+  /* of a run: it writes output_every and checkpoint_every so many steps, and at the last one; with an output_interval
+     above 0 it writes output after this time. end: of a run that chooses its steps, the time at which it ends; 0: it ends
+     after its steps */
   PetscInt64 steps, output_every, checkpoint_every;
   PetscReal  output_interval, end;
   PetscBool  weights, source_term, ringing; /* what it measures besides (march/transfer_diagnostics.h) */
@@ -118,9 +119,9 @@ typedef struct {
   PetscBool refine, damping;
   MpmAxis   axes[2]; /* of a map */
 
-  /* of a spectrum: eigenvectors that it writes; steps, and points along a side, that it takes, 0: it does without;
-     whether it also marches random data, and whether eigenvalues are sought of the nodes' operator, where there is one,
-     and that was given */
+  /* of a spectrum: eigenvectors that it writes; steps of powers, and points along a side of the pseudospectrum, 0: it
+     does without; whether it also marches random data; whether eigenvalues are sought of the nodes' operator, where there
+     is one, and whether that was given */
   PetscInt  modes, powers, pseudospectrum;
   PetscBool measure, nodal, nodal_asked;
 
@@ -150,14 +151,16 @@ typedef struct {
   MpmProgressWish progress;
   MpmExpect       expect;
 
-  /* what takes the place of a scene: a file with a matrix, or blocks of a lattice; the command, or the library, of a code */
+  /* what takes the place of a scene: a file with a matrix, or with the blocks of a lattice; the command of a code, or its
+     library */
   char matrix[PETSC_MAX_PATH_LEN], matrix_blocks[PETSC_MAX_PATH_LEN], program[PETSC_MAX_PATH_LEN];
   char plugin[PETSC_MAX_PATH_LEN];
   /* of a code: parameters that are set; what is added to fields; keys of the scene whose particles it is given; the
      parameter that is the time step; steps after which it is probed; keys of a scene that it is compared with */
   char program_set[PETSC_MAX_PATH_LEN], program_base[PETSC_MAX_PATH_LEN], program_scene[PETSC_MAX_PATH_LEN];
   char program_dt[PETSC_MAX_PATH_LEN], at[PETSC_MAX_PATH_LEN], compare[PETSC_MAX_PATH_LEN];
-  /* names of files, "" for none; xmf describes the output of a run, mode_file has its data when initial is eigenmode */
+  /* names of files, "" for none; xmf describes the output of a run, and mode_file has the data that a run starts from
+     with initial eigenmode */
   char output[PETSC_MAX_PATH_LEN], xmf[PETSC_MAX_PATH_LEN], json[PETSC_MAX_PATH_LEN], csv[PETSC_MAX_PATH_LEN];
   char mode_file[PETSC_MAX_PATH_LEN], checkpoint[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
   char write_matrix[PETSC_MAX_PATH_LEN], write_blocks[PETSC_MAX_PATH_LEN], write_layout[PETSC_MAX_PATH_LEN];

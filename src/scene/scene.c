@@ -213,15 +213,12 @@ static PetscErrorCode ReadSplineEnds(const MpmSettings *settings, MpmScene *scen
   if (MpmSettingsSource(settings, "spline_ends") == MPM_FROM_DEFAULT) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmSettingsWord(settings, "spline_ends", &i));
   basis = MpmBasisWithEnds(scene->scheme.basis, (MpmSplineEnds)i);
-  if (!MpmBasisWithEnds(scene->scheme.basis, MPM_SPLINES_OPEN)) {
-    PetscCall(MpmSettingsRefuseUnless(settings, "spline_ends", "basis", "allowed: only with basis quadratic or cubic"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (MpmLayoutIsPeriodic(l)) {
-    PetscCall(MpmSettingsRefuseUnless(settings, "spline_ends", "boundary",
-                                      "the domain is periodic and has no ends; allowed: only with another boundary"));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
+  STANDS("spline_ends", "basis", !MpmBasisWithEnds(scene->scheme.basis, MPM_SPLINES_OPEN),
+         "allowed: only with basis quadratic or cubic");
+  if (!MpmBasisWithEnds(scene->scheme.basis, MPM_SPLINES_OPEN)) PetscFunctionReturn(PETSC_SUCCESS);
+  STANDS("spline_ends", "boundary", MpmLayoutIsPeriodic(l),
+         "the domain is periodic and has no ends; allowed: only with another boundary");
+  if (MpmLayoutIsPeriodic(l)) PetscFunctionReturn(PETSC_SUCCESS);
   if (basis->spline_ends == MPM_SPLINES_OPEN)
     PetscCall(MpmSettingsRequire(settings, scene, "spline_ends", TakesNoDifferences,
                                  "differences of nodal values with open knot vectors"));
@@ -328,38 +325,26 @@ static PetscErrorCode ReadMaterial(const MpmSettings *settings, MpmScene *scene)
 /* ---- what does not go together ---- */
 
 /* clang-format off */
-MPM_WHEN(HasNoPoisson, !MpmSceneHasPoisson(s))
-MPM_WHEN(HasNoInclusion, s->layout.material.kind != MPM_MATERIAL_TWO)
-MPM_WHEN(HasOneMaterial, s->layout.material.kind == MPM_MATERIAL_UNIFORM)
-MPM_WHEN(HasCounts, s->layout.counts.n > 1)
-MPM_WHEN(HasDimensions, s->layout.dim > 1)
-MPM_WHEN(IsLinear, !s->scheme.space.finite)
-MPM_WHEN(IsFinite, s->scheme.space.finite)
-MPM_WHEN(HasNoShapes, !s->scheme.space.finite || s->layout.dim == 1)
-MPM_WHEN(HasOneStep, s->safety == 0)
-MPM_WHEN(IsUnstretched, !s->scheme.space.finite && s->law == &MpmLawLinear)
-MPM_WHEN(IsFluid, s->scheme.space.finite && !s->law->solid)
-MPM_WHEN(IsNotNeo, !s->scheme.space.finite && s->law != &MpmLawNeo)
-MPM_WHEN(IsNeoInSpace, !s->scheme.space.finite && s->law == &MpmLawNeo && s->layout.dim > 1)
-MPM_WHEN(HasNoExponent, !(s->law->exponent > 0))
-
-static const MpmRule rules[] = {
-  {"gravity,halvings,artificial_linear,artificial_quadratic", "kinematics", MPM_FROM_SCENE, IsLinear, "allowed: only with kinematics finite"},
-  {"stretch", "material", MPM_FROM_SCENE, IsUnstretched, "allowed: only with material neo, svk, tait, gas or polytropic"},
-  {"lame_ratio", "material", MPM_FROM_SCENE, IsFluid, "it is a fluid; allowed: only with a solid"},
-  {"lame_ratio", "material", MPM_FROM_SCENE, IsNotNeo, "allowed: only with material neo"},
-  {"lame_ratio", "material", MPM_FROM_SCENE, IsNeoInSpace, "poisson says it with dim 2 or 3; allowed: only with dim 1"},
-  {"exponent", "material", MPM_FROM_SCENE, HasNoExponent, "allowed: only with material tait, polytropic or herschel_bulkley"},
-  {"prestress", "kinematics", MPM_FROM_SCENE, IsFinite, "with kinematics finite material and stretch give it; allowed: one of the two"},
-  {"cluster", "dim", MPM_FROM_SCENE, HasDimensions, "allowed: only with dim 1"},
-  {"fill", "counts", MPM_FROM_SCENE, HasCounts, "allowed: with ppc (counts may be 0 where there is nothing)"},
-  {"shape", "kinematics,dim", MPM_FROM_SCENE, HasNoShapes, "allowed: with kinematics finite and dim 2 or 3"},
-  {"poisson", "dim,formulation", MPM_FROM_SCENE, HasNoPoisson, "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"},
-  {"safety", "courant", MPM_FROM_SCENE, HasOneStep, "allowed: only with courant auto"},
-  {"step_bound", "kinematics", MPM_FROM_SCENE, IsLinear, "allowed: only with kinematics finite ('mpmstab critical' finds the bounds of a linear step)"},
-  {"density_ratio,stiffness_ratio", "material", MPM_FROM_SCENE, HasOneMaterial, "allowed: only with material two or graded"},
-  {"inclusion", "material", MPM_FROM_SCENE, HasNoInclusion, "allowed: only with material two"},
-  {NULL}};
+static PetscErrorCode CheckRules(const MpmSettings *settings, const MpmScene *s)
+{
+  PetscFunctionBegin;
+  STANDS("gravity,halvings,artificial_linear,artificial_quadratic", "kinematics", !s->scheme.space.finite, "allowed: only with kinematics finite");
+  STANDS("stretch", "material", !s->scheme.space.finite && s->law == &MpmLawLinear, "allowed: only with material neo, svk, tait, gas or polytropic");
+  STANDS("lame_ratio", "material", s->scheme.space.finite && !s->law->solid, "it is a fluid; allowed: only with a solid");
+  STANDS("lame_ratio", "material", !s->scheme.space.finite && s->law != &MpmLawNeo, "allowed: only with material neo");
+  STANDS("lame_ratio", "material", !s->scheme.space.finite && s->law == &MpmLawNeo && s->layout.dim > 1, "poisson says it with dim 2 or 3; allowed: only with dim 1");
+  STANDS("exponent", "material", !(s->law->exponent > 0), "allowed: only with material tait, polytropic or herschel_bulkley");
+  STANDS("prestress", "kinematics", s->scheme.space.finite, "with kinematics finite material and stretch give it; allowed: one of the two");
+  STANDS("cluster", "dim", s->layout.dim > 1, "allowed: only with dim 1");
+  STANDS("fill", "counts", s->layout.counts.n > 1, "allowed: with ppc (counts may be 0 where there is nothing)");
+  STANDS("shape", "kinematics,dim", !s->scheme.space.finite || s->layout.dim == 1, "allowed: with kinematics finite and dim 2 or 3");
+  STANDS("poisson", "dim,formulation", !MpmSceneHasPoisson(s), "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)");
+  STANDS("safety", "courant", s->safety == 0, "allowed: only with courant auto");
+  STANDS("step_bound", "kinematics", !s->scheme.space.finite, "allowed: only with kinematics finite ('mpmstab critical' finds the bounds of a linear step)");
+  STANDS("density_ratio,stiffness_ratio", "material", s->layout.material.kind == MPM_MATERIAL_UNIFORM, "allowed: only with material two or graded");
+  STANDS("inclusion", "material", s->layout.material.kind != MPM_MATERIAL_TWO, "allowed: only with material two");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 /* clang-format on */
 
 /* ---- sizes ---- */
@@ -405,7 +390,7 @@ static PetscErrorCode ReadProblem(MpmSettings *settings, MpmScene *scene)
   PetscCall(MpmSettingsPlaceGiven(settings, scene));
   PetscCall(MpmSettingsReadPace(settings, scene));
   PetscCall(ReadMaterial(settings, scene));
-  PetscCall(MpmSettingsCheckRules(settings, rules, scene, NULL));
+  PetscCall(CheckRules(settings, scene));
   if (scene->scheme.space.finite)
     PetscCall(MpmSettingsCheckFinite(settings, scene));
   else

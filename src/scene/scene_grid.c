@@ -23,29 +23,23 @@
 
 static const char *const moduli[] = {"young", "bulk", "shear"};
 
-/* Adds the name of an option to a list, unless it was given. */
-static void AddMissing(const MpmSettings *settings, const char name[], size_t room, char list[])
-{
-  if (MpmSettingsSource(settings, name) != MPM_FROM_DEFAULT) return;
-  if (list[0]) MpmTextJoin(list, " and ", room);
-  MpmTextJoin(list, name, room);
-}
-
 /* Refuses a modulus without the others that it needs; density and poisson have a meaning beside a wave speed, too. */
 static PetscErrorCode CheckComplete(const MpmSettings *settings, const MpmScene *scene, const char modulus[])
 {
-  const PetscBool is_young    = MpmSettingsGiven(settings, "young");
-  char            missing[64] = "";
+  static const char *const names[]     = {"bulk", "shear", "poisson", "density"};
+  const PetscBool          young       = MpmSettingsGiven(settings, "young");
+  const PetscBool          needs[]     = {!young, !young, young && scene->layout.dim > 1, PETSC_TRUE};
+  char                     missing[64] = "";
 
   PetscFunctionBegin;
-  if (!is_young) AddMissing(settings, "bulk", sizeof missing, missing);
-  if (!is_young) AddMissing(settings, "shear", sizeof missing, missing);
-  if (is_young && scene->layout.dim > 1) AddMissing(settings, "poisson", sizeof missing, missing);
-  AddMissing(settings, "density", sizeof missing, missing);
-  if (!missing[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmSettingsRefuse(
-      settings, modulus, "the wave speed needs %s besides; allowed: %s, bulk with shear and density, or sound_speed",
-      missing, scene->layout.dim > 1 ? "young with poisson and density" : "young with density"));
+  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(names); i++) {
+    if (!needs[i] || MpmSettingsSource(settings, names[i]) != MPM_FROM_DEFAULT) continue;
+    if (missing[0]) MpmTextJoin(missing, " and ", sizeof missing);
+    MpmTextJoin(missing, names[i], sizeof missing);
+  }
+  MpmSettingsRefuseIf(missing[0], settings, modulus,
+                      "the wave speed needs %s besides; allowed: %s, bulk with shear and density, or sound_speed",
+                      missing, scene->layout.dim > 1 ? "young with poisson and density" : "young with density");
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -315,7 +309,7 @@ static PetscErrorCode ReadCounts(const MpmSettings *settings, MpmScene *scene)
   PetscInt64 ppc[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  if (l->dim > 1) PetscCall(MpmSettingsRefuseUnless(settings, "counts", "dim", "allowed: only with dim 1"));
+  STANDS("counts", "dim", l->dim > 1, "allowed: only with dim 1");
   c->n = 1;
   if (MpmSettingsGiven(settings, "counts") && l->dim == 1)
     PetscCall(MpmSettingsList(settings, "counts", MPM_MAX_COUNTS, &c->n, c->of));

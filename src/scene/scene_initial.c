@@ -94,17 +94,6 @@ static PetscBool Fits(const Mode *m, PetscInt a)
   return symmetry && m->wave.direction[a] == 0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* The sine and cosine factors of the mode make a wave with this phase at X = 0. */
-static PetscReal PhaseOf(const Mode *m)
-{
-  PetscInt sines = m->free > 0;
-
-  for (PetscInt a = 0; a < m->scene->layout.dim; a++)
-    if (m->ends[a] && IsAlong(m, a) && m->odd[a][0]) sines++;
-  if (m->vector) sines = PetscMin(sines, 1); /* each component is odd in one direction at most */
-  return (1 - sines) * (PETSC_PI / 2);
-}
-
 /*
    Adds the images of the waves that there are so far, in all directions with ends but the first that the mode goes in.
 */
@@ -133,7 +122,8 @@ static void SetMode(const MpmScene *scene, MpmProfile *p)
   const MpmSpace *space   = &scene->scheme.space;
   const PetscReal mu      = (1 - 2 * p->poisson) / (2 * (1 - p->poisson));
   PetscReal       squares = 0;
-  Mode            m       = {.scene = scene, .wave = {.weight = 1}};
+  PetscInt        sines;
+  Mode            m = {.scene = scene, .wave = {.weight = 1}};
 
   m.vector =
       scene->layout.dim > 1 && scene->scheme.formulation->particle_ranks[0] == MPM_VECTOR ? PETSC_TRUE : PETSC_FALSE;
@@ -145,7 +135,11 @@ static void SetMode(const MpmScene *scene, MpmProfile *p)
              (space->damping +
               (space->viscous[1] + (scene->polarisation == MPM_S_WAVE ? 0 : space->viscous[0] + space->viscous[1])) *
                   squares * PetscSqr(p->cell_width));
-  p->phase = PhaseOf(&m);
+  /* the sine and cosine factors of the mode make a wave with this phase at X = 0 */
+  sines = m.free > 0;
+  for (PetscInt a = 0; a < p->dim; a++) sines += m.ends[a] && IsAlong(&m, a) && m.odd[a][0];
+  if (m.vector) sines = PetscMin(sines, 1); /* each component is odd in one direction at most */
+  p->phase = (1 - sines) * (PETSC_PI / 2);
   for (PetscInt a = 0; a < p->dim; a++) m.wave.normal[a] = m.K[a] / p->wavenumber;
   SetDirection(scene, m.wave.normal, m.wave.direction);
   for (PetscInt a = 0; a < p->dim; a++)
@@ -240,16 +234,14 @@ static PetscErrorCode ReadStagger(const MpmSettings *settings, MpmInitial asked,
   PetscFunctionBegin;
   if (scene->stagger && scene->scheme.formulation->staggered == MPM_NONE) {
     scene->stagger = PETSC_FALSE;
-    PetscCall(
-        MpmSettingsRefuseUnless(settings, "stagger", "formulation",
-                                "no field of this formulation lags half a step; allowed: with those where one does"));
+    STANDS("stagger", "formulation", PETSC_TRUE,
+           "no field of this formulation lags half a step; allowed: with those where one does");
   }
   if (scene->stagger && scene->initial != MPM_INITIAL_MODE && scene->initial != MPM_INITIAL_PULSE &&
       !MpmSolutionOf(scene)) {
     scene->stagger = PETSC_FALSE;
-    PetscCall(MpmSettingsRefuseUnless(settings, "stagger", asked != scene->initial ? "boundary,initial" : "initial",
-                                      "these data have no half step; allowed: with initial mode or pulse, or an exact "
-                                      "solution at finite strain"));
+    STANDS("stagger", asked != scene->initial ? "boundary,initial" : "initial", PETSC_TRUE,
+           "these data have no half step; allowed: with initial mode or pulse, or an exact solution at finite strain");
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -291,28 +283,14 @@ static PetscErrorCode ReadMode(const MpmSettings *settings, MpmScene *scene)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* clang-format off */
-MPM_WHEN(HasNoPoisson, !MpmSceneHasPoisson(s))
-MPM_WHEN(IsNoMode, s->initial != MPM_INITIAL_MODE)
-MPM_WHEN(ShearsFluid, s->polarisation == MPM_S_WAVE && MpmSpaceIsFluid(&s->scheme.space))
-
-static const MpmRule of_polarisation[] = {
-  {"polarisation", "dim,formulation", MPM_FROM_SCENE, HasNoPoisson, "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"},
-  {"polarisation", "initial", MPM_FROM_SCENE, IsNoMode, "allowed: only with initial mode"},
-  {"polarisation", "poisson", MPM_FROM_SCENE, ShearsFluid, "a fluid has no S waves; allowed: p, or poisson below 0.5"},
-  {NULL}};
-/* clang-format on */
-
 /*
    Data that were asked for and do not exist are refused. Otherwise runs start from random data: also when a scene asks
    for them, and the command line has another value of the option by.
 */
 static PetscErrorCode FallBack(const MpmSettings *settings, MpmScene *scene, const char by[], const char why[])
 {
-  const MpmRule rule[] = {{"initial,mode,polarisation", by, MPM_FROM_SCENE, NULL, why}, {NULL}};
-
   PetscFunctionBegin;
-  PetscCall(MpmSettingsCheckRules(settings, rule, NULL, NULL));
+  STANDS("initial,mode,polarisation", by, PETSC_TRUE, why);
   scene->initial = MPM_INITIAL_RANDOM;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -343,21 +321,28 @@ static PetscErrorCode CheckExact(const MpmSettings *settings, MpmScene *scene)
 
 PetscErrorCode MpmSettingsReadInitial(const MpmSettings *settings, MpmScene *scene)
 {
-  const MpmInitial asked = scene->initial;
+  const MpmInitial asked     = scene->initial;
+  const PetscBool  has_shear = MpmSceneHasPoisson(scene), fluid = MpmSpaceIsFluid(&scene->scheme.space);
+  PetscBool        is_mode;
 
   PetscFunctionBegin;
   if (!scene->scheme.space.finite && scene->initial >= MPM_INITIAL_MANUFACTURED)
     PetscCall(FallBack(settings, scene, "kinematics",
                        "allowed: with kinematics finite; or mode, random, pulse, eigenmode and step"));
   PetscCall(ReadMode(settings, scene));
-  PetscCall(MpmSettingsCheckRules(settings, of_polarisation, scene, NULL));
-  if (HasNoPoisson(scene, NULL) || IsNoMode(scene, NULL) || ShearsFluid(scene, NULL)) scene->polarisation = MPM_P_WAVE;
+  is_mode = scene->initial == MPM_INITIAL_MODE ? PETSC_TRUE : PETSC_FALSE;
+  STANDS("polarisation", "dim,formulation", !has_shear,
+         "allowed: only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)");
+  STANDS("polarisation", "initial", !is_mode, "allowed: only with initial mode");
+  STANDS("polarisation", "poisson", scene->polarisation == MPM_S_WAVE && fluid,
+         "a fluid has no S waves; allowed: p, or poisson below 0.5");
+  if (!has_shear || !is_mode || fluid) scene->polarisation = MPM_P_WAVE;
   PetscCall(CheckExact(settings, scene));
   MpmSettingsRefuseIf(scene->initial == MPM_INITIAL_STEP &&
                           (!MpmEndIsFixed(scene->layout.grid[0].ends[0]) || scene->layout.grid[0].ends[1] != MPM_FREE),
                       settings, "initial", "a load needs an end to act on; allowed: with boundary fixed,free");
-  if (asked != MPM_INITIAL_MODE && asked != MPM_INITIAL_EIGENMODE)
-    PetscCall(MpmSettingsRefuseUnless(settings, "mode", "initial", "allowed: only with initial mode or eigenmode"));
+  STANDS("mode", "initial", asked != MPM_INITIAL_MODE && asked != MPM_INITIAL_EIGENMODE,
+         "allowed: only with initial mode or eigenmode");
   PetscCall(ReadStagger(settings, asked, scene));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

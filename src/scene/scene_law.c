@@ -152,8 +152,8 @@ static PetscErrorCode SetRatio(const MpmSettings *settings, MpmScene *scene)
   if (scene->layout.dim == 1) PetscFunctionReturn(PETSC_SUCCESS);
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(rivals) && given; i++) {
     if (MpmSettingsSource(settings, rivals[i]) == MPM_FROM_DEFAULT) continue;
-    PetscCall(MpmSettingsRefuseUnless(settings, "lame_ratio", rivals[i],
-                                      "poisson, or bulk and shear, say it too with dim 2 or 3; allowed: one of them"));
+    STANDS("lame_ratio", rivals[i], PETSC_TRUE,
+           "poisson, or bulk and shear, say it too with dim 2 or 3; allowed: one of them");
     given = PETSC_FALSE;
   }
   if (given) {
@@ -201,7 +201,7 @@ static PetscErrorCode ReadPlastic(const MpmSettings *settings, MpmScene *scene)
     const char *name = MpmPlasticNames[i];
 
     ReadersOf(i, sizeof text, text);
-    if (!law->number[i].reads) PetscCall(MpmSettingsRefuseUnless(settings, name, "material", text));
+    STANDS(name, "material", !law->number[i].reads, text);
     if (!law->number[i].reads || MpmSettingsGiven(settings, name)) continue;
     scene->plastic[i] = law->number[i].usual;
   }
@@ -324,14 +324,6 @@ static PetscErrorCode CheckEquilibrium(const MpmSettings *settings, const MpmSce
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Whether a direction's second derivatives are in the force: the state has a stress on planes across it. */
-static PetscBool IsLoaded(const MpmSpace *space, PetscInt a)
-{
-  for (PetscInt b = 0; b < space->dim; b++)
-    if (MpmSpacePrestress(space, a, b) != 0) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
 /* Whether a particle of a direction is at a place xi in its cell, or the same distance to the left, in any step. */
 static PetscErrorCode HasParticleAt(const MpmScene *scene, PetscInt a, PetscReal place, PetscBool *has)
 {
@@ -367,13 +359,16 @@ static PetscErrorCode CheckTies(const MpmSettings *settings, const MpmScene *sce
   const MpmLayout *l     = &scene->layout;
   const MpmSpace  *space = &scene->scheme.space;
   const MpmBasis  *basis = scene->scheme.basis;
-  PetscBool        has;
+  PetscBool        has, loaded;
 
   PetscFunctionBegin;
   if (!space->displaced || (space->curved && (basis->smooth || space->gradient == MPM_GRADIENT_MLS)))
     PetscFunctionReturn(PETSC_SUCCESS);
   for (PetscInt a = 0; a < l->dim; a++) {
-    if (space->curved && !IsLoaded(space, a)) continue;
+    loaded = PETSC_FALSE; /* second derivatives of a direction are in the force if there is a stress across it */
+    for (PetscInt b = 0; b < space->dim; b++)
+      if (MpmSpacePrestress(space, a, b) != 0) loaded = PETSC_TRUE;
+    if (space->curved && !loaded) continue;
     PetscCall(HasParticleAt(scene, a, !space->curved ? 0 : basis->wide ? l->half_width[a] : 0.5, &has));
     if (!has) continue;
     PetscCall(Refuse(
@@ -390,18 +385,13 @@ static PetscErrorCode CheckTies(const MpmSettings *settings, const MpmScene *sce
 
 PetscErrorCode MpmSettingsReadPrestress(const MpmSettings *settings, MpmScene *scene)
 {
-  static const char *const moves[] = {"move", "move_share"};
-  MpmSpace                *space   = &scene->scheme.space;
+  MpmSpace *space = &scene->scheme.space;
 
   PetscFunctionBegin;
   space->curved    = scene->scheme.basis->weights[MPM_CURVE] ? PETSC_TRUE : PETSC_FALSE;
   space->displaced = MpmSpaceIsPrestressed(space) && (space->curved || space->dim > 1) ? PETSC_TRUE : PETSC_FALSE;
-  for (size_t o = 0; o < PETSC_STATIC_ARRAY_LENGTH(moves); o++)
-    if (MpmSettingsGiven(settings, moves[o]) && MpmSettingsSource(settings, moves[o]) != MPM_FROM_DEFAULT &&
-        !space->displaced)
-      PetscCall(MpmSettingsRefuseUnless(
-          settings, moves[o], "basis",
-          "nothing depends on it here; allowed: with a prestress, and with dim 1 another basis than linear"));
+  STANDS("move,move_share", "basis", !space->displaced,
+         "nothing depends on it here; allowed: with a prestress, and with dim 1 another basis than linear");
   if (space->move == MPM_MOVES_PROJECTED)
     PetscCall(MpmSettingsRequire(settings, scene, "move", MpmFormulationIsProjected, "second P2G of the velocity"));
   MpmSettingsRefuseIf(scene->scheme.numbers.rk_relax, settings, "rk_relax",

@@ -128,31 +128,26 @@ PetscErrorCode MpmSettingsRefuse(const MpmSettings *settings, const char name[],
   } while (0)
 
 /*
-   MpmSettingsStands       - whether an option was given, and has not lost its sense because a stronger source has given
-                             one of others, whose names have commas between them; not collective
-   MpmSettingsRefuseUnless - refuses one that stands so
-
-   Collective.
+   Not collective. Whether an option was given, and has not lost its sense because a stronger source has given one of
+   others, whose names have commas between them.
 */
-PetscBool      MpmSettingsStands(const MpmSettings *settings, const char key[], const char by[]);
-PetscErrorCode MpmSettingsRefuseUnless(const MpmSettings *settings, const char key[], const char by[],
-                                       const char why[]);
+PetscBool MpmSettingsStands(const MpmSettings *settings, const char key[], const char by[]);
 
-/*S
-   MpmRule - what does not go together, as data: options that are refused when a condition holds.
-
-   options - their names, with commas between them
-   by      - those that have stood in the way: a stronger source than the option's own takes its sense away (as in
-             MpmSettingsRefuseUnless); NULL: it is refused where a source gave it that is as strong as least
-   when    - the condition; of rules of a scene request is NULL. NULL: always
-   why     - the sentence of the refusal
-S*/
-typedef struct {
-  const char *options, *by;
-  MpmOrigin   least;
-  PetscBool (*when)(const MpmScene *scene, const MpmRequest *request);
-  const char *why;
-} MpmRule;
+/*
+   Collective. Refuses those of some options, with commas between their names, that stand beside others (by), or, where by
+   is NULL, that a source gave which is as strong as least. Rules are lines of what is refused, when, and why: GIVEN and
+   STANDS, in functions that have settings.
+*/
+PetscErrorCode MpmSettingsRefuseEach(const MpmSettings *settings, const char options[], const char by[],
+                                     MpmOrigin least, const char why[]);
+#define GIVEN(options, least, when, why)                                                                               \
+  do {                                                                                                                 \
+    if (when) PetscCall(MpmSettingsRefuseEach(settings, options, NULL, least, why));                                   \
+  } while (0)
+#define STANDS(options, by, when, why)                                                                                 \
+  do {                                                                                                                 \
+    if (when) PetscCall(MpmSettingsRefuseEach(settings, options, by, MPM_FROM_SCENE, why));                            \
+  } while (0)
 
 /*
    Not collective. Whether a step has one stage, without IMPLICIT, so that a particle flows from the state of the step
@@ -163,23 +158,11 @@ PetscBool MpmFormulationHasOneStage(const MpmFormulation *f);
 /* Not collective. Frees the colliders of a layout. */
 PetscErrorCode MpmSettingsForgetColliders(const MpmColliders **colliders);
 
-/* Defines a condition of rules. */
-#define MPM_WHEN(function, condition)                                                                                  \
-  static PetscBool function(const MpmScene *s, const MpmRequest *r)                                                    \
-  {                                                                                                                    \
-    (void)s, (void)r;                                                                                                  \
-    return (condition) ? PETSC_TRUE : PETSC_FALSE;                                                                     \
-  }
-
-/* Collective. Refuses what rules say; the last one has no options. */
-PetscErrorCode MpmSettingsCheckRules(const MpmSettings *settings, const MpmRule rules[], const MpmScene *scene,
-                                     const MpmRequest *request);
-
 /*
    Collective. Typed values, checked against the option's range or words. The option must have a value
-   (MpmSettingsGiven, or a default). Read: values of a kind, at places stride bytes apart. Span: two fractions, the first below the second. Ends: two words, or one for both.
-   List: whole numbers with commas between them, at most room. Reals: the same of real numbers. Words: the same of
-   words, as their indices.
+   (MpmSettingsGiven, or a default). Read: values of a kind, at places stride bytes apart; of MPM_AS_ENDS two words, or
+   one for both. Span: two fractions, the first below the second. List: whole numbers with commas between them, at most
+   room. Reals: the same of real numbers. Words: the same of words, as their indices.
 
    With dim: the values of so many directions, which are one for all or one for each with commas between them. The Ends
    of several directions have a hyphen between the two words of one: periodic,fixed-free.

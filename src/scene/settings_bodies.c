@@ -401,13 +401,10 @@ static PetscErrorCode PlaceAll(MpmBlockReader *r)
 /* Bodies are at finite strain, each with its own velocity. */
 static PetscErrorCode CheckBodies(const MpmSettings *settings, MpmScene *scene)
 {
-  static const char *const of_all[] = {"drift", "velocity", "mach", "layout"};
-
   PetscFunctionBegin;
   MpmSettingsRefuseIf(!scene->scheme.space.finite, settings, "bodies", "allowed: with kinematics finite");
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(of_all); i++)
-    MpmSettingsRefuseIf(MpmSettingsSource(settings, of_all[i]) != MPM_FROM_DEFAULT, settings, of_all[i],
-                        "each of the bodies says it for itself; allowed: velocity, or shape: file, in bodies");
+  GIVEN("drift,velocity,mach,layout", MPM_FROM_SCENE, PETSC_TRUE,
+        "each of the bodies says it for itself; allowed: velocity, or shape: file, in bodies");
   for (PetscInt a = 0; a < scene->layout.dim; a++)
     MpmSettingsRefuseIf(scene->stretch[a] != 1, settings, "stretch", "bodies begin without a stretch; allowed: 1");
   if (MpmSettingsSource(settings, "initial") == MPM_FROM_DEFAULT) scene->initial = MPM_INITIAL_UNIFORM;

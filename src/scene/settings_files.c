@@ -18,28 +18,18 @@ static PetscBool IsUsed(const MpmSettings *settings, const char task[], PetscInt
   return o->file == use && settings->text[option] && MpmFieldIsOf(o, task) ? PETSC_TRUE : PETSC_FALSE;
 }
 
-/* Where the ending of a file's name begins, with its point; NULL: it has none. */
-static const char *Ending(const char path[])
-{
-  const char *slash = strrchr(path, '/');
-
-  return strrchr(slash ? slash : path, '.');
-}
-
 /*
    HDF5 under the name of another kind of file would be taken for that kind. XDMF names datasets as FILE:PATH inside
    XML.
 */
 static PetscErrorCode CheckOutput(const MpmSettings *settings, MpmRequest *request)
 {
-  const char *const path = request->output;
-  const char       *ending;
-  int               length;
+  const char *const path  = request->output;
+  const char *const slash = strrchr(path, '/'), *const ending = strrchr(slash ? slash : path, '.');
+  const int length = (int)(ending ? (size_t)(ending - path) : strlen(path));
 
   PetscFunctionBegin;
   if (!path[0]) PetscFunctionReturn(PETSC_SUCCESS);
-  ending = Ending(path);
-  length = (int)(ending ? (size_t)(ending - path) : strlen(path));
   MpmSettingsRefuseIf(ending && !MpmFileHasEnding(path, MpmOptions[MpmOptionIndex("output")].endings), settings,
                       "output", "it is HDF5; allowed: a name that ends in .h5 or .hdf5, or has no ending");
   if (strcmp(request->task, "run")) PetscFunctionReturn(PETSC_SUCCESS);

@@ -89,27 +89,15 @@ PetscBool MpmSettingsStands(const MpmSettings *settings, const char key[], const
   return stands;
 }
 
-PetscErrorCode MpmSettingsRefuseUnless(const MpmSettings *settings, const char key[], const char by[], const char why[])
-{
-  PetscFunctionBegin;
-  MpmSettingsRefuseIf(MpmSettingsStands(settings, key, by), settings, key, "%s", why);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmSettingsCheckRules(const MpmSettings *settings, const MpmRule rules[], const MpmScene *scene,
-                                     const MpmRequest *request)
+PetscErrorCode MpmSettingsRefuseEach(const MpmSettings *settings, const char options[], const char by[],
+                                     MpmOrigin least, const char why[])
 {
   char name[PART];
 
   PetscFunctionBegin;
-  for (const MpmRule *rule = rules; rule->options; rule++) {
-    const char *names = rule->when && !rule->when(scene, request) ? NULL : rule->options;
-
-    while (names && *names && NextPart(&names, name))
-      MpmSettingsRefuseIf(rule->by ? MpmSettingsStands(settings, name, rule->by)
-                                   : MpmSettingsSource(settings, name) >= rule->least,
-                          settings, name, "%s", rule->why);
-  }
+  while (options && *options && NextPart(&options, name))
+    MpmSettingsRefuseIf(by ? MpmSettingsStands(settings, name, by) : MpmSettingsSource(settings, name) >= least,
+                        settings, name, "%s", why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

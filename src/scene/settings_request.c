@@ -178,13 +178,12 @@ static PetscErrorCode RefuseReplaced(const MpmSettings *settings, const MpmScene
 {
   const PetscBool rest =
       scene->layout.dim > 1 && (kind == MPM_AXIS_DRIFT || kind == MPM_AXIS_MACH) ? PETSC_TRUE : PETSC_FALSE;
-  const char   *names = rest ? strchr(replaced[kind], ',') + 1 : replaced[kind];
-  char          why[128];
-  const MpmRule rule[] = {{names, NULL, MPM_FROM_COMMAND_LINE, NULL, why}, {NULL}};
+  const char *names = rest ? strchr(replaced[kind], ',') + 1 : replaced[kind];
+  char        why[128];
 
   PetscFunctionBegin;
   (void)snprintf(why, sizeof why, "the map goes over it; allowed: -map_%s lo,hi", MpmAxisNames[kind]);
-  PetscCall(MpmSettingsCheckRules(settings, rule, NULL, NULL));
+  GIVEN(names, MPM_FROM_COMMAND_LINE, PETSC_TRUE, why);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -376,9 +375,8 @@ static PetscErrorCode ReadExpect(const MpmSettings *settings, const MpmScene *sc
     expect->has_verdict = PETSC_FALSE;
   }
   if (MpmSettingsGiven(settings, "expect_error") && scene && !MpmSceneHasExact(scene)) {
-    PetscCall(MpmSettingsRefuseUnless(
-        settings, "expect_error", "initial,boundary",
-        "there is no exact solution; allowed: with initial mode, pulse or step in a full domain"));
+    STANDS("expect_error", "initial,boundary", PETSC_TRUE,
+           "there is no exact solution; allowed: with initial mode, pulse or step in a full domain");
     expect->has[MPM_EXPECT_ERROR] = PETSC_FALSE;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -399,83 +397,56 @@ static PetscBool IsBeyondBulk(const MpmRequest *r)
   return PETSC_FALSE;
 }
 
-MPM_WHEN(ChoosesElsewhere, s->safety > 0 && !Is(r, "run"))
-MPM_WHEN(NeedsLinear, s->scheme.space.finite && !Is(r, "run") && !Is(r, "spectrum"))
-MPM_WHEN(LooksAtLinear, s->scheme.space.finite && (r->weights || r->source_term || r->ringing))
-MPM_WHEN(OfFrozen, s->scheme.space.finite && Is(r, "spectrum"))
-MPM_WHEN(OfLinear, !s->scheme.space.finite && Is(r, "spectrum"))
-MPM_WHEN(WithoutTangent, !r->tangent)
-MPM_WHEN(FollowsTooMany, (PetscInt64)r->exponents > (s->layout.dim + s->scheme.table->nstate) * s->layout.particles)
-MPM_WHEN(Surveys, r->survey)
-MPM_WHEN(WithoutDamping, !r->damping)
-MPM_WHEN(DampsNoWave, r->damping && Is(r, "symbol") && !s->scheme.formulation->wave)
-MPM_WHEN(DampsPrestress, r->damping && Is(r, "symbol") && s->layout.dim > 1 && MpmSpaceIsPrestressed(&s->scheme.space))
-MPM_WHEN(SurveysAtMach, r->survey && r->at_mach)
-MPM_WHEN(TurnsMach, r->at_mach && VARIES(DRIFT_ANGLE) && VARIES(COURANT))
-/* a map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself */
-MPM_WHEN(KeepsDrift, VARIES(COURANT) && !VARIES(DRIFT) && !VARIES(MACH) && MpmSceneDrifts(s))
-/* the limit is sought at one drift, too; it must not be that of the default Courant number */
-MPM_WHEN(HasNoDrift, Is(r, "critical") && !MpmSceneHasStep(s))
-MPM_WHEN(HasNoPoisson, VARIES(POISSON) && !MpmSceneHasPoisson(s))
-MPM_WHEN(VariesPrestress, VARIES(POISSON) && MpmSpaceIsPrestressed(&s->scheme.space))
-MPM_WHEN(VariesPoisson, VARIES(POISSON))
-MPM_WHEN(TurnsOnLine, VARIES(DRIFT_ANGLE) && s->layout.dim == 1)
-MPM_WHEN(VariesTwice, VARIES(MACH) && (VARIES(DRIFT) || VARIES(DRIFT_ANGLE)))
-MPM_WHEN(TurnsNothing, VARIES(DRIFT_ANGLE) && !VARIES(DRIFT) && s->step.drift[0].value == 0 && s->step.drift[1].value == 0)
-MPM_WHEN(SurveysBulk, r->survey && (Is(r, "critical") || Is(r, "spectrum")))
-MPM_WHEN(LimitAtMach, Is(r, "critical") && r->at_mach)
-MPM_WHEN(SurfaceOfFile, s->layout.given && IsBeyondBulk(r))
-MPM_WHEN(BeyondColliders, s->layout.colliders && IsBeyondBulk(r))
-MPM_WHEN(WithoutBulk, !SEES(IN_BULK))
-MPM_WHEN(WithoutRandom, !SEES(AT_RANDOM))
-MPM_WHEN(WithoutLayouts, !Is(r, "ensemble") && !SEES(AT_RANDOM) && !SEES(DISORDERED) && !SEES(AT_WORST))
-MPM_WHEN(WithoutWorst, !SEES(AT_WORST) && !s->layout.given)
-MPM_WHEN(StartsFromNoMode, Is(r, "run") && s->initial != MPM_INITIAL_EIGENMODE && r->mode_file[0])
-MPM_WHEN(HasNoOutput, Is(r, "run") && !r->output[0])
-MPM_WHEN(HasNoCheckpoint, Is(r, "run") && !r->checkpoint[0])
-MPM_WHEN(WritesTooMany, r->output[0] && s->layout.particles > PETSC_MAX_INT / 3)
-/* the slides define their weights for hat functions, at nodes with a cell on either side */
-MPM_WHEN(HasNoWeights, Is(r, "run") && r->weights && !(s->scheme.basis->hat && MpmSceneIsPeriodic(s)))
+/* Rules that follow from options alone. */
+static PetscErrorCode CheckAtFirst(const MpmSettings *settings, const MpmScene *s, const MpmRequest *r)
+{
+  PetscFunctionBegin;
+  GIVEN("courant", MPM_FROM_DEFAULT, s->safety > 0 && !Is(r, "run"), "allowed with this task: a number");
+  GIVEN("kinematics", MPM_FROM_DEFAULT, s->scheme.space.finite && !Is(r, "run") && !Is(r, "spectrum"), "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with material and stretch, or prestress, is about a uniform state");
+  GIVEN("kinematics", MPM_FROM_DEFAULT, s->scheme.space.finite && (r->weights || r->source_term || r->ringing), "weights, source_term and ringing are of the linear step; allowed: without them");
+  GIVEN("measure,nodal,neighbourhood,modes", MPM_FROM_SCENE, s->scheme.space.finite && Is(r, "spectrum"), "it is of a linear step; allowed: with kinematics linear");
+  GIVEN("initial,mode,polarisation,amplitude,gravity,at_step", MPM_FROM_COMMAND_LINE, !s->scheme.space.finite && Is(r, "spectrum"), "the spectrum of a linear step does not depend on it; allowed: with task run, or with kinematics finite");
+  GIVEN("window,exponents,warn_above", MPM_FROM_SCENE, !r->tangent, "nothing reads it here; allowed: with tangent");
+  GIVEN("exponents", MPM_FROM_DEFAULT, (PetscInt64)r->exponents > (s->layout.dim + s->scheme.table->nstate) * s->layout.particles, "allowed: no more than places and fields of all particles");
+  GIVEN("formulation,scheme,basis,transfer,courant,dt,expect,expect_critical,json", MPM_FROM_COMMAND_LINE, r->survey, "a survey goes through all schemes; allowed: without survey");
+  GIVEN("damping_divisors", MPM_FROM_COMMAND_LINE, !r->damping, "allowed: only with damping");
+  GIVEN("damping", MPM_FROM_DEFAULT, r->damping && Is(r, "symbol") && !s->scheme.formulation->wave, "the formulation names no continuous problem whose waves could be followed; allowed: a formulation with an exact solution");
+  GIVEN("damping", MPM_FROM_DEFAULT, r->damping && Is(r, "symbol") && s->layout.dim > 1 && MpmSpaceIsPrestressed(&s->scheme.space), "waves about a prestressed state have no exact solution here; allowed: with dim 1, or without a prestress");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
-/* Rules that follow from options alone, and those of axes, Mach numbers and neighbourhoods, which are read before. */
-static const MpmRule at_first[] = {
-  {"courant", NULL, MPM_FROM_DEFAULT, ChoosesElsewhere, "allowed with this task: a number"},
-  {"kinematics", NULL, MPM_FROM_DEFAULT, NeedsLinear, "this task needs a linear step; allowed: tasks run and spectrum; or kinematics linear, which with material and stretch, or prestress, is about a uniform state"},
-  {"kinematics", NULL, MPM_FROM_DEFAULT, LooksAtLinear, "weights, source_term and ringing are of the linear step; allowed: without them"},
-  {"measure,nodal,neighbourhood,modes", NULL, MPM_FROM_SCENE, OfFrozen, "it is of a linear step; allowed: with kinematics linear"},
-  {"initial,mode,polarisation,amplitude,gravity,at_step", NULL, MPM_FROM_COMMAND_LINE, OfLinear, "the spectrum of a linear step does not depend on it; allowed: with task run, or with kinematics finite"},
-  {"window,exponents,warn_above", NULL, MPM_FROM_SCENE, WithoutTangent, "nothing reads it here; allowed: with tangent"},
-  {"exponents", NULL, MPM_FROM_DEFAULT, FollowsTooMany, "allowed: no more than places and fields of all particles"},
-  {"formulation,scheme,basis,transfer,courant,dt,expect,expect_critical,json", NULL, MPM_FROM_COMMAND_LINE, Surveys, "a survey goes through all schemes; allowed: without survey"},
-  {"damping_divisors", NULL, MPM_FROM_COMMAND_LINE, WithoutDamping, "allowed: only with damping"},
-  {"damping", NULL, MPM_FROM_DEFAULT, DampsNoWave, "the formulation names no continuous problem whose waves could be followed; allowed: a formulation with an exact solution"},
-  {"damping", NULL, MPM_FROM_DEFAULT, DampsPrestress, "waves about a prestressed state have no exact solution here; allowed: with dim 1, or without a prestress"},
-  {NULL}},
-at_last[] = {
-  {"map_axes", NULL, MPM_FROM_DEFAULT, HasNoPoisson, "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)"},
-  {"map_axes", NULL, MPM_FROM_DEFAULT, VariesPrestress, "the prestress is of one Poisson's ratio; allowed: other axes"},
-  {"young,bulk", NULL, MPM_FROM_SCENE, VariesPoisson, "the map varies Poisson's ratio, and with it the wave speed of a modulus would change; allowed: sound_speed"},
-  {"map_axes", NULL, MPM_FROM_DEFAULT, TurnsOnLine, "allowed: drift_angle only with dim 2 or 3"},
-  {"map_axes", NULL, MPM_FROM_DEFAULT, VariesTwice, "mach makes the drift; allowed: mach with another axis"},
-  {"map_axes", NULL, MPM_FROM_DEFAULT, TurnsNothing, "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a drift such as 1/8,0"},
-  {"velocity", NULL, MPM_FROM_SCENE, KeepsDrift, "the Courant number is varied at a fixed drift, and with it the drift of a velocity would change; allowed: drift or mach"},
-  {"velocity", NULL, MPM_FROM_SCENE, HasNoDrift, "how many cells particles move per step depends on the time step; allowed: with dt or courant, or drift"},
-  {"mach", NULL, MPM_FROM_SCENE, SurveysAtMach, "a survey keeps the drift; allowed: drift, or without survey"},
-  {"mach", NULL, MPM_FROM_SCENE, TurnsMach, "a map that turns the drift keeps its size; allowed: drift"},
-  {"neighbourhood", NULL, MPM_FROM_SCENE, SurveysBulk, "a survey is of the bulk; allowed: without survey"},
-  {"neighbourhood", NULL, MPM_FROM_SCENE, LimitAtMach, "at a Mach number the search is of the bulk; allowed: drift"},
-  {"neighbourhood", NULL, MPM_FROM_DEFAULT, SurfaceOfFile, "the layout of a file has its own surfaces; allowed: bulk, or layout uniform"},
-  {"neighbourhood", NULL, MPM_FROM_DEFAULT, BeyondColliders, "colliders stand in the grid of the scene; allowed: bulk"},
-  {"csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix", NULL, MPM_FROM_COMMAND_LINE, WithoutBulk, "it is of the bulk; allowed: with neighbourhood bulk"},
-  {"voids", NULL, MPM_FROM_COMMAND_LINE, WithoutRandom, "allowed: with neighbourhood random"},
-  {"layouts", NULL, MPM_FROM_COMMAND_LINE, WithoutLayouts, "allowed: with neighbourhood random, disordered or worst"},
-  {"write_layout", NULL, MPM_FROM_COMMAND_LINE, WithoutWorst, "allowed: with neighbourhood worst, or with layout FILE or random"},
-  {"weights", NULL, MPM_FROM_DEFAULT, HasNoWeights, "allowed: with basis linear and boundary periodic"},
-  {"mode_file", "initial", MPM_FROM_SCENE, StartsFromNoMode, "allowed: only with initial eigenmode"},
-  {"output_every,output_interval", NULL, MPM_FROM_SCENE, HasNoOutput, "allowed: only with output"},
-  {"checkpoint_every", NULL, MPM_FROM_SCENE, HasNoCheckpoint, "allowed: only with checkpoint"},
-  {"output", NULL, MPM_FROM_SCENE, WritesTooMany, "too many particles for it; allowed: at most 715827882"},
-  {NULL}};
+/* Rules of axes, Mach numbers and neighbourhoods, which are read before. */
+static PetscErrorCode CheckAtLast(const MpmSettings *settings, const MpmScene *s, const MpmRequest *r)
+{
+  PetscFunctionBegin;
+  GIVEN("map_axes", MPM_FROM_DEFAULT, VARIES(POISSON) && !MpmSceneHasPoisson(s), "allowed: poisson only with dim 2 or 3, and a formulation with a stress (usl, usf, musl, usavg)");
+  GIVEN("map_axes", MPM_FROM_DEFAULT, VARIES(POISSON) && MpmSpaceIsPrestressed(&s->scheme.space), "the prestress is of one Poisson's ratio; allowed: other axes");
+  GIVEN("young,bulk", MPM_FROM_SCENE, VARIES(POISSON), "the map varies Poisson's ratio, and with it the wave speed of a modulus would change; allowed: sound_speed");
+  GIVEN("map_axes", MPM_FROM_DEFAULT, VARIES(DRIFT_ANGLE) && s->layout.dim == 1, "allowed: drift_angle only with dim 2 or 3");
+  GIVEN("map_axes", MPM_FROM_DEFAULT, VARIES(MACH) && (VARIES(DRIFT) || VARIES(DRIFT_ANGLE)), "mach makes the drift; allowed: mach with another axis");
+  GIVEN("map_axes", MPM_FROM_DEFAULT, VARIES(DRIFT_ANGLE) && !VARIES(DRIFT) && s->step.drift[0].value == 0 && s->step.drift[1].value == 0, "drift_angle turns the drift in the plane of x and y, which is 0; allowed: with a drift such as 1/8,0");
+  /* a map over the Courant number keeps the drift, and a velocity whose drift is kept would not be kept itself */
+  GIVEN("velocity", MPM_FROM_SCENE, VARIES(COURANT) && !VARIES(DRIFT) && !VARIES(MACH) && MpmSceneDrifts(s), "the Courant number is varied at a fixed drift, and with it the drift of a velocity would change; allowed: drift or mach");
+  /* the limit is sought at one drift, too; it must not be that of the default Courant number */
+  GIVEN("velocity", MPM_FROM_SCENE, Is(r, "critical") && !MpmSceneHasStep(s), "how many cells particles move per step depends on the time step; allowed: with dt or courant, or drift");
+  GIVEN("mach", MPM_FROM_SCENE, r->survey && r->at_mach, "a survey keeps the drift; allowed: drift, or without survey");
+  GIVEN("mach", MPM_FROM_SCENE, r->at_mach && VARIES(DRIFT_ANGLE) && VARIES(COURANT), "a map that turns the drift keeps its size; allowed: drift");
+  GIVEN("neighbourhood", MPM_FROM_SCENE, r->survey && (Is(r, "critical") || Is(r, "spectrum")), "a survey is of the bulk; allowed: without survey");
+  GIVEN("neighbourhood", MPM_FROM_SCENE, Is(r, "critical") && r->at_mach, "at a Mach number the search is of the bulk; allowed: drift");
+  GIVEN("neighbourhood", MPM_FROM_DEFAULT, s->layout.given && IsBeyondBulk(r), "the layout of a file has its own surfaces; allowed: bulk, or layout uniform");
+  GIVEN("neighbourhood", MPM_FROM_DEFAULT, s->layout.colliders && IsBeyondBulk(r), "colliders stand in the grid of the scene; allowed: bulk");
+  GIVEN("csv,output,powers,pseudospectrum,modes,measure,nodal,write_matrix", MPM_FROM_COMMAND_LINE, !SEES(IN_BULK), "it is of the bulk; allowed: with neighbourhood bulk");
+  GIVEN("voids", MPM_FROM_COMMAND_LINE, !SEES(AT_RANDOM), "allowed: with neighbourhood random");
+  GIVEN("layouts", MPM_FROM_COMMAND_LINE, !Is(r, "ensemble") && !SEES(AT_RANDOM) && !SEES(DISORDERED) && !SEES(AT_WORST), "allowed: with neighbourhood random, disordered or worst");
+  GIVEN("write_layout", MPM_FROM_COMMAND_LINE, !SEES(AT_WORST) && !s->layout.given, "allowed: with neighbourhood worst, or with layout FILE or random");
+  /* the slides define their weights for hat functions, at nodes with a cell on either side */
+  GIVEN("weights", MPM_FROM_DEFAULT, Is(r, "run") && r->weights && !(s->scheme.basis->hat && MpmSceneIsPeriodic(s)), "allowed: with basis linear and boundary periodic");
+  STANDS("mode_file", "initial", Is(r, "run") && s->initial != MPM_INITIAL_EIGENMODE && r->mode_file[0], "allowed: only with initial eigenmode");
+  GIVEN("output_every,output_interval", MPM_FROM_SCENE, Is(r, "run") && !r->output[0], "allowed: only with output");
+  GIVEN("checkpoint_every", MPM_FROM_SCENE, Is(r, "run") && !r->checkpoint[0], "allowed: only with checkpoint");
+  GIVEN("output", MPM_FROM_SCENE, r->output[0] && s->layout.particles > PETSC_MAX_INT / 3, "too many particles for it; allowed: at most 715827882");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 /* clang-format on */
 
 /* An exact solution that ends before the run does would be wrong. */
@@ -505,7 +476,7 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
   request->nodal_asked = MpmSettingsGiven(settings, "nodal");
   if (!request->nodal_asked)
     request->nodal = scene->layout.particles * scene->scheme.table->nstate >= NODAL_FROM ? PETSC_TRUE : PETSC_FALSE;
-  PetscCall(MpmSettingsCheckRules(settings, at_first, scene, request));
+  PetscCall(CheckAtFirst(settings, scene, request));
   if (request->tangent) PetscCall(CheckTangent(settings, scene, "tangent"));
   if (scene->scheme.space.finite && Is(request, "spectrum")) PetscCall(CheckTangent(settings, scene, "kinematics"));
   PetscCall(ReadSteps(settings, scene, request));
@@ -528,7 +499,7 @@ PetscErrorCode MpmSettingsReadRequest(const MpmSettings *settings, const MpmScen
       !MpmRequestVaries(request, MPM_AXIS_DRIFT) && !MpmRequestVaries(request, MPM_AXIS_MACH))
     PetscCall(MpmSettingsCheckPeriod(settings, scene, &request->mach));
   PetscCall(ReadNeighbourhoods(settings, scene, request));
-  PetscCall(MpmSettingsCheckRules(settings, at_last, scene, request));
+  PetscCall(CheckAtLast(settings, scene, request));
   MpmCheckInput(!Is(request, "run") || scene->initial != MPM_INITIAL_EIGENMODE || request->mode_file[0],
                 "initial eigenmode needs mode_file; allowed: a file that 'mpmstab spectrum -output' has written");
   PetscCall(ReadOutputs(settings, request));

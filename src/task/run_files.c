@@ -105,39 +105,14 @@ typedef struct {
   PetscBool         again; /* the run goes once more to where it has been */
 } Files;
 
-static PetscErrorCode OpenOutput(Files *files, const MpmRun *run, const MpmMarch *march)
-{
-  PetscBool there = PETSC_FALSE;
-
-  PetscFunctionBegin;
-  /* a run of no steps adds nothing to an output that ends with this step */
-  if (march->step == run->last) PetscCall(MpmOutputHasStep(files->request, march->step, &there));
-  if (there)
-    MpmPrint("%s has step %" PetscInt64_FMT " already and is left as it is\n", files->request->output, march->step);
-  else
-    PetscCall(MpmOutputCreate(march, files->request, &files->output));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* before: the rows in the checkpoint from which the run resumes; NULL when it does not resume. */
-static PetscErrorCode OpenCsv(Files *files, const MpmRun *run, const char before[])
-{
-  PetscFunctionBegin;
-  if (before && !*before)
-    MpmPrint("%s begins after step %" PetscInt64_FMT ": the checkpoint holds no earlier rows\n", files->request->csv,
-             files->from);
-  PetscCall(MpmTextFileOpen(files->request->csv, &files->csv));
-  PetscCall(BeginCsv(run, before, &files->csv));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* Opens the files. Each was tried when the scene was read, and gets its own name only when the work is done. */
 static PetscErrorCode Begin(void *context, MpmRun *run, MpmMarch *march)
 {
   Files            *files   = context;
   const MpmScene   *scene   = files->scene;
   const MpmRequest *request = files->request;
-  char             *before  = NULL;
+  char             *before  = NULL; /* rows in the checkpoint from which the run resumes; NULL: it does not resume */
+  PetscBool         there   = PETSC_FALSE;
 
   PetscFunctionBegin;
   if (scene->initial == MPM_INITIAL_EIGENMODE) {
@@ -151,8 +126,21 @@ static PetscErrorCode Begin(void *context, MpmRun *run, MpmMarch *march)
     MpmPrint("the checkpoint %s is of the last step, %" PetscInt64_FMT ": nothing is left to march\n", request->restart,
              files->from);
   if (request->checkpoint[0]) MpmStopInstall();
-  if (request->output[0]) PetscCall(OpenOutput(files, run, march));
-  if (request->csv[0]) PetscCall(OpenCsv(files, run, before));
+  if (request->output[0]) {
+    /* a run of no steps adds nothing to an output that ends with this step */
+    if (march->step == run->last) PetscCall(MpmOutputHasStep(request, march->step, &there));
+    if (there)
+      MpmPrint("%s has step %" PetscInt64_FMT " already and is left as it is\n", request->output, march->step);
+    else
+      PetscCall(MpmOutputCreate(march, request, &files->output));
+  }
+  if (request->csv[0]) {
+    if (before && !*before)
+      MpmPrint("%s begins after step %" PetscInt64_FMT ": the checkpoint holds no earlier rows\n", request->csv,
+               files->from);
+    PetscCall(MpmTextFileOpen(request->csv, &files->csv));
+    PetscCall(BeginCsv(run, before, &files->csv));
+  }
   PetscCall(PetscFree(before));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

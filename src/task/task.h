@@ -13,16 +13,16 @@ typedef struct MpmDataFile MpmDataFile; /* io/datafile.h */
    that are not met, or MPM_WORK_FAILED: the work has ended early, and has said why.
 */
 #define MPM_WORK_FAILED -1
-typedef PetscErrorCode (*MpmSceneWork)(const MpmScene *scene, const MpmRequest *request, PetscReal started,
-                                       PetscInt *missed);
+typedef PetscErrorCode MpmSceneWorker(const MpmScene *scene, const MpmRequest *request, PetscReal started,
+                                      PetscInt *missed);
 
 /*S
    MpmTask - one task. example is a command that anybody can run. work is what it does on a scene. A task that has no
    scene has words instead, which takes the rest of the command line: usage says what this may be.
 S*/
 typedef struct {
-  const char  *name, *summary, *example;
-  MpmSceneWork work;
+  const char     *name, *summary, *example;
+  MpmSceneWorker *work;
   PetscErrorCode (*words)(int argc, char **argv);
   const char *usage;
 } MpmTask;
@@ -46,13 +46,7 @@ PetscErrorCode MpmPrintHelp(const char task[]);
 
 /* Collective. The work of each task, in its file. */
 PetscErrorCode MpmTaskList(int argc, char **argv);
-PetscErrorCode MpmTaskAdapter(int argc, char **argv);
-PetscErrorCode MpmTaskRun(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
-PetscErrorCode MpmTaskSpectrum(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
-PetscErrorCode MpmTaskSymbol(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
-PetscErrorCode MpmTaskCritical(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
-PetscErrorCode MpmTaskEnsemble(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
-PetscErrorCode MpmTaskMap(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed);
+MpmSceneWorker MpmTaskRun, MpmTaskSpectrum, MpmTaskSymbol, MpmTaskCritical, MpmTaskEnsemble, MpmTaskMap;
 
 /* Collective. The same for a code that is probed in the place of a scene. */
 PetscErrorCode MpmSpectrumOfProgram(const MpmRequest *request, PetscReal started, PetscInt *missed);

@@ -119,15 +119,6 @@ int MpmWordsRead(int *argc, char ***argv)
   return 0;
 }
 
-/* The file that the value of a viewer's option names, as in ascii:FILE:format; "": none. */
-static void FileOf(const char option[], const char value[], char file[PETSC_MAX_PATH_LEN])
-{
-  const char *colon = strchr(value, ':');
-  const char *name  = !strcmp(option, "-history") ? value : colon ? colon + 1 : "";
-
-  (void)snprintf(file, PETSC_MAX_PATH_LEN, "%.*s", (int)strcspn(name, ":"), name);
-}
-
 /* The word that names a file of ours: the scene, and the values of options that name files. */
 static int NamesFile(char **argv, int i)
 {
@@ -142,8 +133,11 @@ int MpmWordsCheckViewers(int argc, char **argv)
   char file[PETSC_MAX_PATH_LEN];
 
   for (int i = 2; i + 1 < argc; i++) {
+    const char *colon = strchr(argv[i + 1], ':'); /* as in ascii:FILE:format */
+    const char *name  = !strcmp(argv[i], "-history") ? argv[i + 1] : colon ? colon + 1 : "";
+
     if (!IsOption(argv[i]) || MpmOptionIndex(argv[i] + 1) != MPM_NOT_AN_OPTION) continue;
-    FileOf(argv[i], argv[i + 1], file);
+    (void)snprintf(file, sizeof file, "%.*s", (int)strcspn(name, ":"), name);
     for (int k = 2; k < argc; k++) {
       if (!NamesFile(argv, k) || !MpmFileIsSame(argv[k], file)) continue;
       MpmLaunchRefuse(argv[i],
@@ -155,6 +149,24 @@ int MpmWordsCheckViewers(int argc, char **argv)
 }
 
 /* ---- tasks ---- */
+
+/* Prints an adapter for the user's code, with five places to fill in. */
+static PetscErrorCode Adapter(int argc, char **argv)
+{
+  const char *names[16];
+  PetscInt    n = 0;
+
+  PetscFunctionBegin;
+  for (; MpmAdapterTexts[n].name; n++) {
+    names[n] = MpmAdapterTexts[n].name;
+    if (argc != 1 || strcmp(argv[0], names[n])) continue;
+    MpmPrint("%s", MpmAdapterTexts[n].text);
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
+  PetscCall(MpmSuggestRefuse(argc == 1 ? argv[0] : NULL, n, names,
+                             "adapter%s%.200s: allowed: one word: ", argc ? " " : "", argc ? argv[argc > 1] : ""));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
 
 const MpmTask MpmTasks[] = {
     {"run", "march a scene: error against the exact solution, measured growth, energy, throughput",
@@ -172,7 +184,7 @@ const MpmTask MpmTasks[] = {
     {"list", "formulations, bases, transfers, boundaries, layouts, options; 'list codes': public codes",
      "list formulation musl", NULL, MpmTaskList,
      "[formulation [NAME]|basis|transfer [NAME [NUMBER]]|boundary|layout|options|versions|scope|codes]"},
-    {"adapter", "an adapter for your own code, with five places to fill in", "adapter python", NULL, MpmTaskAdapter,
+    {"adapter", "an adapter for your own code, with five places to fill in", "adapter python", NULL, Adapter,
      "python|octave|matlab|c|fortran|julia|javascript"},
     {NULL, NULL, NULL, NULL, NULL, NULL},
 };
@@ -238,24 +250,6 @@ PetscErrorCode MpmPrintHelp(const char name[])
   PrintOptions(task->name, PETSC_TRUE);
   MpmPrint("options that all tasks read: the scene and its files; also keys of a scene file\n");
   PrintOptions(task->name, PETSC_FALSE);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Prints an adapter for the user's code, with five places to fill in. */
-PetscErrorCode MpmTaskAdapter(int argc, char **argv)
-{
-  const char *names[16];
-  PetscInt    n = 0;
-
-  PetscFunctionBegin;
-  for (; MpmAdapterTexts[n].name; n++) {
-    names[n] = MpmAdapterTexts[n].name;
-    if (argc != 1 || strcmp(argv[0], names[n])) continue;
-    MpmPrint("%s", MpmAdapterTexts[n].text);
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(MpmSuggestRefuse(argc == 1 ? argv[0] : NULL, n, names,
-                             "adapter%s%.200s: allowed: one word: ", argc ? " " : "", argc ? argv[argc > 1] : ""));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
