@@ -139,17 +139,17 @@ static inline MpmCriticalCase MpmCriticalCaseOf(const MpmScene *scene, PetscReal
 
    Collective on PETSC_COMM_WORLD.
 
-   On uniform layouts in one dimension it uses the symbol. It finds the limit of each phase, and goes on from the least
-   of them to phases beside it, so that the result does not depend on the phases it began with. At rest it first scans
-   for windows of growth (MpmSearchScan), unless a closed form or a theorem says that there are none. Under drift
-   windows of instability open where two amplification factors meet, and close again. So amplification factors are
-   followed as the Courant number grows, and the places where two of them meet are solved for.
+   On uniform layouts at rest it takes the least limit of the closed form over all phases, and confirms it with the
+   symbol there and on a grid of phases.
 
-   In two and three dimensions it takes the least limit of the closed form over all phases at rest, and confirms it with
-   the symbol there and on a grid of phases. Under drift, and for schemes without a closed form, it samples: the
-   largest growth on a grid of phases, from which it goes on uphill, at a row of Courant numbers from small ones to the
-   limit of the waves along the axes. These are the waves of one dimension, whose limit is found as above. A window of
-   growth between the samples may be missed.
+   Under drift in one dimension windows of instability open where two amplification factors meet, and close again. So
+   amplification factors are followed as the Courant number grows, and the places where two of them meet are solved for.
+
+   Under drift in more dimensions, and for schemes without a closed form, it samples the symbol: the largest growth on a
+   grid of phases, from which it goes on uphill, at a row of Courant numbers from small ones on. At rest it looks for
+   windows of growth (MpmSearchScan) unless a theorem says that there are none. In two and three dimensions the row ends
+   at the limit of the waves along the axes. These are the waves of one dimension, whose limit is found as above. A
+   window of growth between the samples may be missed.
 
    On other layouts it uses all eigenvalues of the assembled operator, which needs SLEPc initialized. At rest it looks
    for windows (MpmSearchScan) unless a theorem says that there are none (MpmLeftmostDecides). Under drift the

@@ -1,7 +1,7 @@
 /*
-   The largest stable Courant number: chooses how it is sought, and checks what was found. Files: critical_line.c for
-   one dimension, critical_sampled.c for samples of the symbol, critical_assembled.c for what has no symbol,
-   critical_closed.c for the closed form.
+   The largest stable Courant number: chooses how it is sought, and checks what was found. Files: critical_closed.c for
+   the closed form, critical_sampled.c for samples of the symbol, critical_line.c for particles that move in one
+   dimension, critical_assembled.c for what has no symbol.
 */
 #include "analysis/critical_parts.h"
 #include "analysis/lone.h"
@@ -12,10 +12,8 @@
 #include <mpmstab/symbol.h>
 #include <math.h>
 
-#define AGREE 1e-5        /* relative difference of closed form and search */
 #define BEYOND 0.01       /* relative distance above the limit at which growth is compared with that of rounding */
 #define BEYOND_LIMIT 1e-5 /* the same at which the type of a wave is looked at */
-#define GROWS 1e-12       /* smallest growth of one phase that is no rounding */
 #define NEARLY 0.9        /* modes whose growth is at least this part of the largest count as equally fast */
 #define STILL 1e-9        /* a mode whose nodal vector is smaller than this part of it does not move the nodes */
 
@@ -25,15 +23,14 @@ const char *const MpmWaveTypeNames[] = {"", "P", "S", "mixed", "MpmWaveType", "M
    Strategy - how the limit of a case is sought. It is the first whose conditions hold, each of which may be ANY.
 
    symbol, line, drifts, closed - the layout has a symbol, of one dimension, particles move, there is a closed form
-   theorem     - the theorem of docs/theory.md, section 5, says that what has become unstable stays so
    find        - finds it
    axes        - the limit of waves along the axes is found before
    again       - where that Courant number grows below the limit found, the search has missed the true limit, and goes
-                 on down from there
+                 on down from there; else the closed form is wrong
 S*/
 #define ANY -1
 typedef struct {
-  int               symbol, line, drifts, closed, theorem;
+  int               symbol, line, drifts, closed;
   MpmCriticalSearch find;
   PetscBool         axes, again;
 } Strategy;
@@ -42,13 +39,11 @@ typedef struct {
    The conditions of a closed form of a phase are linear in the square of the Courant number: what is unstable stays so.
 */
 static const Strategy strategies[] = {
-    {0, ANY, ANY, ANY, ANY, MpmCriticalAssembled, PETSC_FALSE, PETSC_FALSE},
-    {1, 1, 1, ANY, ANY, MpmCriticalLineUnderDrift, PETSC_FALSE, PETSC_TRUE},
-    {1, 1, 0, 1, ANY, MpmCriticalLineAtRest, PETSC_FALSE, PETSC_TRUE},
-    {1, 1, 0, 0, 1, MpmCriticalLineAtRest, PETSC_FALSE, PETSC_TRUE},
-    {1, 1, 0, 0, 0, MpmCriticalSampled, PETSC_FALSE, PETSC_TRUE},
-    {1, 0, 0, 1, ANY, MpmCriticalSpaceAtRest, PETSC_FALSE, PETSC_FALSE},
-    {1, 0, ANY, ANY, ANY, MpmCriticalSampled, PETSC_TRUE, PETSC_TRUE},
+    {0, ANY, ANY, ANY, MpmCriticalAssembled, PETSC_FALSE, PETSC_FALSE},
+    {1, 1, 1, ANY, MpmCriticalLineUnderDrift, PETSC_FALSE, PETSC_TRUE},
+    {1, ANY, 0, 1, MpmCriticalConfirmed, PETSC_FALSE, PETSC_FALSE},
+    {1, 1, ANY, ANY, MpmCriticalSampled, PETSC_FALSE, PETSC_TRUE},
+    {1, 0, ANY, ANY, MpmCriticalSampled, PETSC_TRUE, PETSC_TRUE},
 };
 
 static PetscBool Fits(int condition, PetscBool is)
@@ -60,12 +55,11 @@ static const Strategy *StrategyOf(const MpmCriticalCase *of, const MpmCritical *
 {
   const Strategy *s      = strategies;
   const PetscBool symbol = MpmSymbolWhyNot(of->layout) ? PETSC_FALSE : PETSC_TRUE;
-  const PetscBool line = of->layout->dim == 1 ? PETSC_TRUE : PETSC_FALSE, drifts = MpmStepDrifts(&of->step);
-  const PetscBool closed  = isnan(c->closed) ? PETSC_FALSE : PETSC_TRUE;
-  const PetscBool theorem = MpmLeftmostDecides(of->layout, of->scheme, &of->step);
+  const PetscBool line   = of->layout->dim == 1 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool closed = isnan(c->closed) ? PETSC_FALSE : PETSC_TRUE;
 
-  while (!Fits(s->symbol, symbol) || !Fits(s->line, line) || !Fits(s->drifts, drifts) || !Fits(s->closed, closed) ||
-         !Fits(s->theorem, theorem))
+  while (!Fits(s->symbol, symbol) || !Fits(s->line, line) || !Fits(s->drifts, MpmStepDrifts(&of->step)) ||
+         !Fits(s->closed, closed))
     s++;
   return s;
 }
@@ -146,59 +140,6 @@ static PetscErrorCode CheckRounding(const MpmCriticalCase *of, MpmCritical *c)
   }
   PetscCall(MpmWavesDestroy(&waves));
   if (!isnan(c->courant)) c->rounding = 0;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   Finds whether any of the phases whose closed form gives a smaller limit really grows at a Courant number. Growth
-   within tolerance counts too.
-*/
-static PetscErrorCode GrowsThere(const MpmCriticalCase *of, PetscReal courant, PetscBool *grows)
-{
-  MpmPredictor predictor;
-  MpmWaves     waves;
-  PetscReal    growth;
-
-  PetscFunctionBegin;
-  *grows = PETSC_FALSE;
-  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &waves));
-  PetscCall(MpmPredictorCreate(of->layout, of->scheme, MpmStepDrifts(&of->step), &predictor));
-  for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !*grows; m--) {
-    const PetscReal beta = MpmSearchPhase(m);
-
-    if (MpmCriticalClosedLimit(&predictor, &beta) >= courant) continue;
-    PetscCall(MpmWavesGrowth(&waves, courant, &beta, &growth));
-    *grows = growth > 1 + GROWS ? PETSC_TRUE : PETSC_FALSE;
-  }
-  PetscCall(MpmPredictorDestroy(&predictor));
-  PetscCall(MpmWavesDestroy(&waves));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode Dispute(MpmCritical *c)
-{
-  PetscFunctionBegin;
-  c->disputed = PETSC_TRUE;
-  c->courant  = NAN;
-  PetscCall(MpmFindingDispute(&c->asked, "the closed form of the limit says otherwise"));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/*
-   Compares the closed form with the limit found. The closed form may be smaller, where long waves beyond it grow by
-   less than the tolerance; then it is the limit. Every other difference is a contradiction.
-*/
-static PetscErrorCode Compare(const MpmCriticalCase *of, MpmCritical *c)
-{
-  PetscBool agrees = c->closed <= c->stable_at * (1 + AGREE) ? PETSC_TRUE : PETSC_FALSE;
-
-  PetscFunctionBegin;
-  if (isnan(c->closed) || isnan(c->courant) || (c->closed == 0 && c->courant == 0)) PetscFunctionReturn(PETSC_SUCCESS);
-  if (c->closed < c->stable_at * (1 - AGREE)) {
-    PetscCall(GrowsThere(of, isinf(c->stable_at) ? 2 * c->closed : (c->closed + c->stable_at) / 2, &agrees));
-    if (agrees) c->courant = c->closed;
-  }
-  if (!agrees) PetscCall(Dispute(c));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -314,9 +255,12 @@ static PetscErrorCode Search(const MpmCriticalCase *of, const Strategy *s, Petsc
   if (!alone && !c->assembled) {
     PetscCall(Ask(of, c, beta));
     start.unstable = of->step.courant;
-    if (s->again && c->asked.verdict == MPM_UNSTABLE && start.unstable < c->stable_at &&
-        !HasWindowAt(c, start.unstable))
-      PetscCall(s->find(of, &start, c));
+    if (c->asked.verdict == MPM_UNSTABLE && start.unstable < c->stable_at && !HasWindowAt(c, start.unstable)) {
+      if (s->again)
+        PetscCall(s->find(of, &start, c));
+      else
+        c->disputed = PETSC_TRUE;
+    }
     if (!MpmStepDrifts(&of->step)) PetscCall(MpmCriticalMoving(of, of->step.courant, c->moving, &c->evaluations));
   }
   if (of->layout->dim > 1 && !c->assembled && isfinite(c->unstable_at))
@@ -362,10 +306,10 @@ PetscErrorCode MpmCriticalFind(const MpmCriticalCase *of, PetscBool alone, MpmCr
   if (!drifts && !of->layout->colliders) c->bound = MpmCriticalBound(of->layout, of->scheme);
   if (!alone && (drifts || of->scheme->formulation->quiet)) PetscCall(MpmCriticalQuieten(of, c));
   PetscCall(CheckRounding(of, c));
-  if (of->layout->dim == 1)
-    PetscCall(Compare(of, c));
-  else if (c->disputed)
-    PetscCall(Dispute(c));
+  if (c->disputed) {
+    c->courant = NAN;
+    PetscCall(MpmFindingDispute(&c->asked, "the closed form of the limit says otherwise"));
+  }
   c->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

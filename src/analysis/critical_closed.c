@@ -16,6 +16,7 @@
 #define TOLERATED 1e-12 /* relative width of the bracket in which growth leaves the tolerance */
 #define CLOSE 1e-6      /* relative distance from the limit at which the symbol is looked at, */
 #define FAR 1e-2        /* and the largest, where growth begins slowly */
+#define GROWS 1e-12     /* smallest growth that is no rounding */
 #define BEYOND 1e-5     /* relative distance from the limit within which growth should leave the tolerance */
 
 /* A closed form, of, as a function of the phases. least: the least limit with growth beyond the tolerance so far. */
@@ -52,11 +53,6 @@ static PetscReal LeastOf(const Closed *closed, const PetscReal beta[])
 
   for (PetscInt i = 0; i < n; i++) least = fmin(least, closed->of(&cell[i]));
   return least;
-}
-
-PetscReal MpmCriticalClosedLimit(const MpmPredictor *predictor, const PetscReal beta[])
-{
-  return LeastOf(&(Closed){.predictor = predictor, .of = predictor->scheme->formulation->limit}, beta);
 }
 
 static PetscErrorCode LimitAt(void *context, const PetscReal beta[], PetscReal *limit)
@@ -236,48 +232,97 @@ static PetscErrorCode Fading(const MpmPredictor *predictor, MpmCritical *c)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* ---- the limit at rest in two and three dimensions: that of the closed form, confirmed by the symbol ---- */
+/* ---- the limit at rest: that of the closed form, confirmed by the symbol ---- */
 
-/*
-   Compares growth by the symbol just below and just above the Courant number at which the closed form leaves the
-   tolerance, at the wave where it does. Where growth is slow the two are farther apart.
-*/
-static PetscErrorCode ConfirmAbove(const MpmCriticalCase *of, PetscReal courant, MpmCritical *c)
+/* The waves of one phase. */
+typedef struct {
+  MpmWaves         waves;
+  const PetscReal *beta;
+} Wave;
+
+static PetscErrorCode GrowthOfWave(void *context, PetscReal courant, PetscReal *growth)
 {
-  MpmWaves  waves;
-  PetscReal growth[2], rounding;
+  Wave *w = (Wave *)context;
 
   PetscFunctionBegin;
-  c->disputed = PETSC_TRUE;
-  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &waves));
-  PetscCall(MpmWavesRounding(&waves, courant, c->beta, NAN, &rounding, NULL));
-  for (PetscReal beside = CLOSE; beside <= FAR * (1 + CLOSE) && c->disputed; beside *= 10) {
-    c->stable_at   = courant * (1 - beside);
-    c->unstable_at = courant * (1 + beside);
-    PetscCall(MpmWavesGrowth(&waves, c->stable_at, c->beta, &growth[0]));
-    PetscCall(MpmWavesGrowth(&waves, c->unstable_at, c->beta, &growth[1]));
-    if (growth[0] <= 1 + PetscMax(of->tolerance, rounding) && growth[1] > 1 + of->tolerance) c->disputed = PETSC_FALSE;
-  }
-  c->evaluations += waves.evaluations;
-  PetscCall(MpmWavesDestroy(&waves));
+  PetscCall(MpmWavesGrowth(&w->waves, courant, w->beta, growth));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Looks for growth below the limit at other phases. */
-static PetscErrorCode ConfirmBelow(const MpmCriticalCase *of, MpmCritical *c)
+/*
+   Compares growth by the symbol just below and just above the Courant number at which the closed form leaves the
+   tolerance, at the wave where it does. Where growth is slow the two are farther apart. In one dimension the bracket is
+   then narrowed down.
+*/
+static PetscErrorCode ConfirmAbove(const MpmCriticalCase *of, PetscReal courant, MpmCritical *c)
 {
-  MpmCriticalCase below   = *of;
+  Wave      w = {.beta = c->beta};
+  PetscReal growth[2], rounding, bracket[2];
+
+  PetscFunctionBegin;
+  c->disputed = PETSC_TRUE;
+  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &w.waves));
+  PetscCall(MpmWavesRounding(&w.waves, courant, c->beta, NAN, &rounding, NULL));
+  for (PetscReal beside = CLOSE; beside <= FAR * (1 + CLOSE) && c->disputed; beside *= 10) {
+    c->stable_at   = courant * (1 - beside);
+    c->unstable_at = courant * (1 + beside);
+    PetscCall(GrowthOfWave(&w, c->stable_at, &growth[0]));
+    PetscCall(GrowthOfWave(&w, c->unstable_at, &growth[1]));
+    if (growth[0] <= 1 + PetscMax(of->tolerance, rounding) && growth[1] > 1 + of->tolerance) c->disputed = PETSC_FALSE;
+  }
+  if (of->layout->dim == 1 && !c->disputed && growth[0] > 1 + of->tolerance) {
+    c->rounding = rounding;
+    c->courant  = NAN;
+  } else if (of->layout->dim == 1 && !c->disputed) {
+    const MpmSearchSteps steps = {.from = c->stable_at, .to = c->unstable_at, .ratio = 2, .width = INFINITY};
+
+    PetscCall(MpmSearchFirst(GrowthOfWave, &w, of->tolerance, &steps, MPM_CRITICAL_PRECISION, bracket));
+    c->stable_at   = bracket[0];
+    c->unstable_at = bracket[1];
+    if (c->closed > c->stable_at * (1 - BEYOND)) c->courant = c->stable_at;
+  }
+  c->evaluations += w.waves.evaluations;
+  PetscCall(MpmWavesDestroy(&w.waves));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Looks for growth beyond a tolerance at a Courant number, on a grid of phases. */
+static PetscErrorCode GrowsAt(const MpmCriticalCase *of, PetscReal courant, PetscReal tolerance, MpmCritical *c,
+                              PetscBool *grows)
+{
+  MpmCriticalCase there   = *of;
   MpmFinding      finding = {0};
   PetscReal       beta[MPM_MAX_DIM];
 
   PetscFunctionBegin;
-  below.step.courant = isfinite(c->stable_at) ? c->stable_at : MPM_CRITICAL_TO;
-  PetscCall(MpmCriticalSampleGrowth(&below, PETSC_FALSE, &finding, beta, &c->evaluations));
-  if (finding.growth > 1 + PetscMax(of->tolerance, finding.defective_error)) c->disputed = PETSC_TRUE;
+  there.step.courant = courant;
+  PetscCall(MpmCriticalSampleGrowth(&there, PETSC_FALSE, &finding, beta, &c->evaluations));
+  if (tolerance >= of->tolerance) tolerance = PetscMax(tolerance, finding.defective_error);
+  *grows = finding.growth > 1 + tolerance ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmCriticalSpaceAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
+/*
+   Below the limit nothing grows at other phases either. Where the limit is below the Courant number at which growth
+   leaves the tolerance, long waves beyond it grow by less; in more dimensions the grid is too coarse for them.
+*/
+static PetscErrorCode ConfirmBelow(const MpmCriticalCase *of, PetscBool alone, MpmCritical *c)
+{
+  PetscBool grows;
+
+  PetscFunctionBegin;
+  if (!alone) {
+    PetscCall(GrowsAt(of, PetscMin(c->stable_at, MPM_CRITICAL_TO), of->tolerance, c, &grows));
+    if (grows) c->disputed = PETSC_TRUE;
+  }
+  if (of->layout->dim > 1 || c->closed == 0 || !(c->closed < c->stable_at * (1 - BEYOND)))
+    PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(GrowsAt(of, isinf(c->stable_at) ? 2 * c->closed : (c->closed + c->stable_at) / 2, GROWS, c, &grows));
+  if (!grows) c->disputed = PETSC_TRUE;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmCriticalConfirmed(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
 {
   MpmPredictor predictor;
   PetscReal    tolerated;
@@ -285,13 +330,14 @@ PetscErrorCode MpmCriticalSpaceAtRest(const MpmCriticalCase *of, const MpmCritic
   PetscFunctionBegin;
   PetscCall(MpmPredictorCreate(of->layout, of->scheme, PETSC_FALSE, &predictor));
   c->order     = of->scheme->table->nstate * MpmLayoutPpc(of->layout);
-  c->phases    = MpmCriticalSamples(of->layout, of->scheme);
+  c->phases    = of->layout->dim > 1 ? MpmCriticalSamples(of->layout, of->scheme) : 0;
   c->courant   = c->closed;
   c->stable_at = c->unstable_at = INFINITY;
   PetscCall(Tolerated(&predictor, of->tolerance, c, c->beta, &tolerated));
   if (isfinite(tolerated)) PetscCall(ConfirmAbove(of, tolerated, c));
-  if (!start->alone) PetscCall(ConfirmBelow(of, c));
   if (c->closed == 0 && isfinite(tolerated)) PetscCall(Fading(&predictor, c));
+  PetscCall(ConfirmBelow(of, start->alone, c));
+  if (tolerated < c->closed * (1 - BEYOND)) c->disputed = PETSC_TRUE;
   if (c->disputed) c->courant = NAN;
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);

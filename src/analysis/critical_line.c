@@ -1,23 +1,18 @@
 /*
-   The largest Courant number with growth within tolerance in one dimension, through the symbol.
+   The largest Courant number with growth within tolerance in one dimension for particles that move, through the symbol.
 
-   At rest, where a phase that is unstable stays so, the least limit of all phases is sought (zoom.h).
-
-   For particles that move windows of growth open along curves of the plane of phase beta and Courant number k, where
-   two amplification factors meet. Each of many phases is followed upwards in k (see follow.h). Then each curve that may
-   reach the tolerance between two of those phases is followed in beta: where its window is open, down in k; where it is
-   not, towards the phase at which it is widest.
+   Windows of growth open along curves of the plane of phase beta and Courant number k, where two amplification factors
+   meet. Each of many phases is followed upwards in k (see follow.h). Then each curve that may reach the tolerance
+   between two of those phases is followed in beta: where its window is open, down in k; where it is not, towards the
+   phase at which it is widest.
 */
 #include "analysis/critical_parts.h"
 #include "analysis/follow.h"
-#include "analysis/waves.h"
+#include "symbol/bloch.h"
 #include "base/progress.h"
 #include "base/text.h"
 #include <mpmstab/symbol.h>
 #include <math.h>
-
-#define LONGEST 2e-4 /* at rest: no waves longer than this phase, */
-#define LAST 1e-9    /* and the last step in beta */
 
 #define COARSE 32   /* the first pass takes one phase in so many, later passes halve the distance */
 #define MARGIN 0.01 /* other phases are followed to so far above the least limit so far, relative */
@@ -30,88 +25,6 @@
 #define PROMISING 3  /* halvings after which a curve must have reached half the tolerance */
 
 #define NEAR_LIMIT 1e-4 /* factors that could not be told apart so near the limit do not matter (relative) */
-
-/* ---- at rest ---- */
-
-/* The symbol as a function of Courant number and phase. beta: the phase; least: the least limit found so far. */
-typedef struct {
-  MpmWaves  waves;
-  PetscReal tolerance, beta, least;
-} Probe;
-
-static PetscErrorCode GrowthOfPhase(void *context, PetscReal courant, PetscReal *growth)
-{
-  Probe *p = (Probe *)context;
-
-  PetscFunctionBegin;
-  PetscCall(MpmWavesGrowth(&p->waves, courant, &p->beta, growth));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The limit of a phase. One that is stable at the least limit so far has a larger one, which is not computed. */
-static PetscErrorCode LimitOfPhase(void *context, const PetscReal beta[], PetscReal *limit)
-{
-  Probe               *p     = (Probe *)context;
-  const MpmSearchSteps steps = {.from = p->least, .to = p->least};
-  PetscReal            bracket[2];
-
-  PetscFunctionBegin;
-  p->beta = beta[0];
-  PetscCall(MpmSearchFirst(GrowthOfPhase, p, p->tolerance, &steps, MPM_CRITICAL_PRECISION, bracket));
-  *limit   = bracket[1];
-  p->least = PetscMin(p->least, *limit);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The least limit of all phases, or the one that can be reached from a phase which grows at a Courant number. */
-static PetscErrorCode LeastLimit(Probe *p, const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
-{
-  MpmZoom zoom = MpmZoomOf(of->layout, &of->scheme->space, of->step.drift);
-
-  PetscFunctionBegin;
-  zoom.points = MPM_CRITICAL_PHASES;
-  zoom.starts = 1;
-  zoom.within = 1;
-  zoom.finest = LAST;
-  zoom.least  = LONGEST;
-  zoom.comm   = PETSC_COMM_WORLD;
-  p->least    = PetscMin(start->unstable, MPM_CRITICAL_TO);
-  if (isinf(start->unstable)) {
-    PetscCall(MpmZoomLeast(&zoom, LimitOfPhase, p, c->beta, &c->unstable_at));
-  } else {
-    c->beta[0] = start->beta[0];
-    PetscCall(LimitOfPhase(p, c->beta, &c->unstable_at));
-    PetscCall(MpmZoomFrom(&zoom, LimitOfPhase, p, PETSC_PI / MPM_CRITICAL_PHASES, c->beta, &c->unstable_at));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmCriticalLineAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c)
-{
-  Probe          p = {.tolerance = of->tolerance};
-  MpmSearchSteps steps;
-  PetscReal      bracket[2];
-
-  PetscFunctionBegin;
-  PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &p.waves));
-  c->order = p.waves.bloch.size;
-  PetscCall(LeastLimit(&p, of, start, c));
-  c->courant = c->stable_at = INFINITY;
-  if (isfinite(c->unstable_at)) {
-    p.beta = c->beta[0];
-    steps  = (MpmSearchSteps){.from = c->unstable_at, .to = c->unstable_at};
-    PetscCall(MpmSearchFirst(GrowthOfPhase, &p, p.tolerance, &steps, MPM_CRITICAL_PRECISION, bracket));
-    c->stable_at   = bracket[0];
-    c->unstable_at = PetscMin(bracket[1], c->unstable_at);
-    PetscCall(MpmSearchThreshold(GrowthOfPhase, &p, p.tolerance, 0, c));
-    c->courant = c->threshold ? c->stable_at : 0;
-  }
-  c->evaluations += p.waves.evaluations;
-  PetscCall(MpmWavesDestroy(&p.waves));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- particles that move ---- */
 
 typedef struct {
   PetscReal stable, unstable, beta;

@@ -27,16 +27,14 @@ typedef struct {
 
    MpmCriticalAssembled      - through all eigenvalues of the assembled operator, and growth at the case's Courant
                                number
-   MpmCriticalLineAtRest     - in one dimension, where a phase that has become unstable stays so
    MpmCriticalLineUnderDrift - in one dimension for particles that move
-   MpmCriticalSpaceAtRest    - in two and three dimensions by the closed form, confirmed by the symbol
+   MpmCriticalConfirmed      - at rest by the closed form, confirmed by the symbol
    MpmCriticalSampled        - by samples of the symbol, with the windows of growth below the limit at rest
 */
 typedef PetscErrorCode (*MpmCriticalSearch)(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
 PetscErrorCode MpmCriticalAssembled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
-PetscErrorCode MpmCriticalLineAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
 PetscErrorCode MpmCriticalLineUnderDrift(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
-PetscErrorCode MpmCriticalSpaceAtRest(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
+PetscErrorCode MpmCriticalConfirmed(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
 PetscErrorCode MpmCriticalSampled(const MpmCriticalCase *of, const MpmCriticalStart *start, MpmCritical *c);
 
 /*
@@ -60,9 +58,6 @@ PetscErrorCode MpmCriticalAxes(const MpmCriticalCase *of, MpmCriticalFinder find
 PetscErrorCode MpmCriticalLineGrowth(const MpmCriticalCase *of, MpmFinding *finding, PetscReal *beta);
 PetscErrorCode MpmCriticalSampleGrowth(const MpmCriticalCase *of, PetscBool uphill, MpmFinding *finding,
                                        PetscReal beta[], PetscInt64 *evaluations);
-
-/* Not collective. The least limit of the problems of a phase by the closed form; the predictor must cover the case. */
-PetscReal MpmCriticalClosedLimit(const MpmPredictor *predictor, const PetscReal beta[]);
 
 /*
    MpmCriticalWhyNotQuiet - the condition of the theorem that does not hold; NULL: all hold. Not collective.

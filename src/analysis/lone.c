@@ -10,6 +10,7 @@
    place, chi times the largest sum_i (phi_i')^2 / phi_i of a direction. docs/theory.md, section 4.
 */
 #include "analysis/lone.h"
+#include "analysis/neighbourhoods.h"
 #include "analysis/search.h"
 #include "linalg/small_eigen.h"
 #include "scene/layout.h"
@@ -134,7 +135,7 @@ static PetscReal Stiffest(const MpmSpace *space, const PetscReal H[])
   return value[0];
 }
 
-PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, PetscReal courant, MpmLone *lone)
+PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, PetscReal courant, MpmNeighbourhood *lone)
 {
   const MpmFormulation *f      = scheme->formulation;
   const PetscBool       affine = scheme->table->affine != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
@@ -144,22 +145,23 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
   PetscBool bounded = PETSC_TRUE;
 
   PetscFunctionBegin;
-  *lone = (MpmLone){.known = !MpmSpaceIsPrestressed(&scheme->space) && f->limit && f->corrected &&
-                                     (!MpmSpaceIsDamped(&scheme->space) || scheme->space.proportional) &&
-                                     MpmFormulationHas(f, MPM_DIV) && !scheme->transfer->sharpen
-                                 ? PETSC_TRUE
-                                 : PETSC_FALSE};
+  *lone        = MpmNeighbourhoodOf(MPM_ALONE);
+  lone->closed = !MpmSpaceIsPrestressed(&scheme->space) && f->limit && f->corrected &&
+                         (!MpmSpaceIsDamped(&scheme->space) || scheme->space.proportional) &&
+                         MpmFormulationHas(f, MPM_DIV) && !scheme->transfer->sharpen
+                     ? PETSC_TRUE
+                     : PETSC_FALSE;
   for (PetscInt a = 0; a < layout->dim; a++) {
     Steepest slope;
 
     PetscCall(Steepness(scheme->basis, scheme->space.gradient, layout->half_width[a], &slope));
-    if (affine && !slope.fits) lone->known = PETSC_FALSE;
+    if (affine && !slope.fits) lone->closed = PETSC_FALSE;
     if (slope.approached) lone->approached = PETSC_TRUE;
     if (isinf(slope.largest)) bounded = PETSC_FALSE;
     lone->place[a] = slope.place;
     H[a]           = slope.largest;
   }
-  if (!lone->known) PetscFunctionReturn(PETSC_SUCCESS);
+  if (!lone->closed) PetscFunctionReturn(PETSC_SUCCESS);
   if (bounded) cell.kappa = Stiffest(&scheme->space, H);
   cell.stiff    = cell.kappa;
   cell.drag     = MpmSpaceDrag(&scheme->space, cell.kappa);
@@ -167,7 +169,7 @@ PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, Pet
   lone->growth  = f->corrected(&cell, courant);
   if (isinf(lone->courant)) {
     for (PetscInt a = 0; a < layout->dim; a++)
-      if (Loses(scheme->basis, scheme->space.gradient, layout->half_width[a])) lone->known = PETSC_FALSE;
+      if (Loses(scheme->basis, scheme->space.gradient, layout->half_width[a])) lone->closed = PETSC_FALSE;
     lone->approached = PETSC_FALSE;
     for (PetscInt a = 0; a < layout->dim; a++) lone->place[a] = NAN;
   } else if (!bounded) {

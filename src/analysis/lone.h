@@ -1,47 +1,6 @@
-/*
-   A lone particle: the largest stable Courant number of one particle without neighbours, in closed form; and what is
-   known of every layout.
-*/
+/* What is known of every layout. */
 #pragma once
 #include <mpmstab/scene.h>
-
-/*S
-   MpmLone - the limit of a lone particle at rest, over all places in its cell.
-
-   known      - there is a closed form, and the others are set
-   courant    - the largest stable Courant number: 0 where it falls to 0 as the particle comes to a place; infinite
-                where there is no limit
-   growth     - the largest growth per step at the Courant number given; infinite where it has no bound
-   place      - where the limit is least, in each direction; NaN: it is the same everywhere
-   approached - it is approached there, and not attained
-S*/
-typedef struct {
-  PetscBool known, approached;
-  PetscReal courant, growth, place[MPM_MAX_DIM];
-} MpmLone;
-
-/*
-   MpmLoneFind - the closed form of a lone particle. Not collective.
-
-   The nodes around it have one velocity v, or v + C r with an affine part, where r is the vector from the particle.
-   Its stress s gives them a = -k sum_b g_b s_ab / phi, whose G2P is 0. GRAD gives L_ab = C_ab - k H_b s_ab, and with an
-   affine part C' = C - k s / D. So the stress is
-
-     usl, no affine part      s' = s - k^2 STRESS H s                 k^2 lambda <= 2
-     affine part, g = phi r / D    C' = C - k s / D, s' = s + k STRESS C'  k^2 lambda <= 4
-
-   with lambda the largest eigenvalue of STRESS H, which is chi H where H is the same in all directions. Schemes that
-   take the gradient of P2G of the particle's velocity see none without an affine part, and have no limit. In the words
-   of the closed forms of waves kappa is lambda, the filter 1, and alpha 0, with an affine part 1. docs/theory.md,
-   section 4.
-
-   On hats a particle exactly on a node has a gradient at the next node, which it gives no mass. That node's share of
-   force and gradient is lost, and schemes without a limit elsewhere have one there: no closed form is given for them.
-
-   There is none for other schemes: with an affine part and another gradient, with a sharpened nodal field, and without
-   a stress.
-*/
-PetscErrorCode MpmLoneFind(const MpmLayout *layout, const MpmScheme *scheme, PetscReal courant, MpmLone *lone);
 
 /*
    MpmCriticalBound     - bound of MpmCritical, for particles at rest

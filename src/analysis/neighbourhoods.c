@@ -2,8 +2,6 @@
 #include "analysis/critical_parts.h"
 #include "analysis/lone.h"
 #include "analysis/neighbourhoods.h"
-#include "analysis/patch.h"
-#include "analysis/random_layouts.h"
 #include "base/text.h"
 #include <math.h>
 
@@ -20,7 +18,7 @@ PetscBool MpmNeighbourhoodsWanted(const MpmRequest *request)
   return PETSC_FALSE;
 }
 
-static MpmNeighbourhood Nothing(MpmNeighbourhoodKind kind)
+MpmNeighbourhood MpmNeighbourhoodOf(MpmNeighbourhoodKind kind)
 {
   MpmNeighbourhood one = {.kind = kind, .courant = NAN, .growth = NAN, .verdict = MPM_UNDECIDED};
 
@@ -31,7 +29,7 @@ static MpmNeighbourhood Nothing(MpmNeighbourhoodKind kind)
 
 MpmNeighbourhood MpmNeighbourhoodOfCritical(const MpmCritical *critical)
 {
-  MpmNeighbourhood one = Nothing(MPM_IN_BULK);
+  MpmNeighbourhood one = MpmNeighbourhoodOf(MPM_IN_BULK);
 
   one.courant = critical->courant;
   one.growth  = critical->asked.growth;
@@ -48,7 +46,7 @@ MpmNeighbourhood MpmNeighbourhoodOfCritical(const MpmCritical *critical)
 
 MpmNeighbourhood MpmNeighbourhoodOfFinding(const MpmFinding *finding)
 {
-  MpmNeighbourhood one = Nothing(MPM_IN_BULK);
+  MpmNeighbourhood one = MpmNeighbourhoodOf(MPM_IN_BULK);
 
   one.growth  = finding->growth;
   one.verdict = finding->verdict;
@@ -106,62 +104,39 @@ static PetscBool HasOperator(const MpmCriticalCase *of, MpmNeighbourhood *one)
   return PETSC_FALSE;
 }
 
-static PetscErrorCode Patch(const MpmCriticalCase *of, MpmPatchKind kind, MpmNeighbourhood *one)
+static PetscErrorCode Patch(const MpmCriticalCase *of, MpmNeighbourhood *one)
 {
-  MpmPatchLimit limit;
-
   PetscFunctionBegin;
   if (!HasOperator(of, one)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPatchFind(of, kind, &limit));
-  one->courant     = limit.courant;
-  one->growth      = limit.growth;
-  one->approached  = limit.approached;
-  one->inside      = limit.inside;
-  one->places      = limit.places;
-  one->depth       = limit.depth;
-  one->evaluations = limit.evaluations;
-  for (PetscInt a = 0; a < of->layout->dim; a++) {
-    one->place[a] = limit.place[a];
-    one->beta[a]  = limit.beta[a];
-  }
-  if (isnan(limit.courant)) one->why_not = "the search could not tell";
+  PetscCall(MpmPatchFind(of, one->kind, one));
+  if (isnan(one->courant)) one->why_not = "the search could not tell";
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode Alone(const MpmCriticalCase *of, MpmNeighbourhood *one)
 {
-  MpmLone lone;
-
   PetscFunctionBegin;
-  PetscCall(MpmLoneFind(of->layout, of->scheme, of->step.courant, &lone));
-  if (!lone.known) {
-    PetscCall(Patch(of, MPM_PATCH_LONE, one));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  one->closed     = PETSC_TRUE;
-  one->courant    = lone.courant;
-  one->growth     = lone.growth;
-  one->approached = lone.approached;
-  for (PetscInt a = 0; a < of->layout->dim; a++) one->place[a] = lone.place[a];
+  PetscCall(MpmLoneFind(of->layout, of->scheme, of->step.courant, one));
+  if (!one->closed) PetscCall(Patch(of, one));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *request, PetscBool limits,
                                MpmNeighbourhood *one)
 {
-  static const PetscInt moves[MPM_MAX_DIM] = {200, 100, 30};
-  const PetscBool       disordered         = one->kind == MPM_DISORDERED ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool       worst              = one->kind == MPM_AT_WORST ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool       stays              = MpmGrowthStays(of->layout, of->scheme, &of->step);
-  const PetscBool       large              = of->layout->dim == 3 && disordered && stays ? PETSC_TRUE : PETSC_FALSE;
-  MpmRandomLayouts      layouts            = {.n       = worst && request->table ? FEW : request->layouts,
-                                              .cells   = large ? EVEN : 0,
-                                              .seed    = of->layout->seed,
-                                              .voids   = disordered ? 0 : request->voids,
-                                              .scatter = disordered || worst ? PETSC_TRUE : PETSC_FALSE,
-                                              .moves   = worst ? moves[of->layout->dim - 1] / (request->table ? SHORT : 1) : 0,
-                                              .write   = worst ? request->write_layout : NULL,
-                                              .limits  = limits};
+  static const PetscInt  moves[MPM_MAX_DIM] = {200, 100, 30};
+  const PetscBool        disordered         = one->kind == MPM_DISORDERED ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool        worst              = one->kind == MPM_AT_WORST ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool        stays              = MpmGrowthStays(of->layout, of->scheme, &of->step);
+  const PetscBool        large              = of->layout->dim == 3 && disordered && stays ? PETSC_TRUE : PETSC_FALSE;
+  const MpmRandomLayouts layouts            = {.n       = worst && request->table ? FEW : request->layouts,
+                                               .cells   = large ? EVEN : 0,
+                                               .seed    = of->layout->seed,
+                                               .voids   = disordered ? 0 : request->voids,
+                                               .scatter = disordered || worst ? PETSC_TRUE : PETSC_FALSE,
+                                               .moves   = worst ? moves[of->layout->dim - 1] / (request->table ? SHORT : 1) : 0,
+                                               .write   = worst ? request->write_layout : NULL,
+                                               .limits  = limits};
 
   PetscFunctionBegin;
   if (!HasOperator(of, one)) PetscFunctionReturn(PETSC_SUCCESS);
@@ -170,18 +145,7 @@ static PetscErrorCode AtRandom(const MpmCriticalCase *of, const MpmRequest *requ
         "the search needs that layouts stay unstable beyond their limits, which is not proved of this scheme";
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmRandomLayoutsFind(of, &layouts));
-  one->courant     = layouts.courant;
-  one->growth      = layouts.growth;
-  one->layouts     = layouts.n;
-  one->cells       = layouts.box;
-  one->unstable    = layouts.unstable;
-  one->undecided   = layouts.undecided;
-  one->worst_seed  = layouts.worst;
-  one->evaluations = layouts.evaluations;
-  one->windows     = layouts.windows;
-  one->fades       = layouts.fades;
-  PetscCall(PetscArraycpy(one->quantile, layouts.quantile, MPM_QUANTILES));
+  PetscCall(MpmRandomLayoutsFind(of, &layouts, one));
   if (limits && isnan(one->courant)) one->why_not = "LAPACK did not converge";
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -192,10 +156,8 @@ static PetscErrorCode Search(const MpmCriticalCase *of, const MpmRequest *reques
   PetscFunctionBegin;
   switch (one->kind) {
   case MPM_AT_EDGE:
-    PetscCall(Patch(of, MPM_PATCH_EDGE, one));
-    break;
   case MPM_AT_CORNER:
-    PetscCall(Patch(of, MPM_PATCH_CORNER, one));
+    PetscCall(Patch(of, one));
     break;
   case MPM_ALONE:
     PetscCall(Alone(of, one));
@@ -327,7 +289,7 @@ static PetscErrorCode Row(const MpmScene *scene, const MpmRequest *request, MpmN
     *row = all->of[i];
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  *row = Nothing(kind);
+  *row = MpmNeighbourhoodOf(kind);
   if (!LeavesOut(scene, kind)) PetscCall(Find(scene, request, PETSC_TRUE, row));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -399,7 +361,7 @@ PetscErrorCode MpmNeighbourhoodsFind(const MpmScene *scene, const MpmRequest *re
     MpmNeighbourhood *one = &all->of[all->n];
 
     if (!request->neighbourhood[kind]) continue;
-    *one = kind == MPM_IN_BULK ? *bulk : Nothing((MpmNeighbourhoodKind)kind);
+    *one = kind == MPM_IN_BULK ? *bulk : MpmNeighbourhoodOf((MpmNeighbourhoodKind)kind);
     if (kind != MPM_IN_BULK) PetscCall(Find(scene, request, limits, one));
     all->n++;
   }

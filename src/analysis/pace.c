@@ -1,7 +1,6 @@
 /* Chooses the steps of a run by the fastest waves at any particle. */
 #include "analysis/pace.h"
-#include "analysis/lone.h"
-#include "analysis/patch.h"
+#include "analysis/neighbourhoods.h"
 #include "base/text.h"
 #include "march/march_private.h"
 #include "march/finite.h"
@@ -75,16 +74,15 @@ static PetscBool HasSurface(const MpmLayout *layout)
 */
 static PetscErrorCode LimitAtSurface(const MpmCriticalCase *of, PetscReal *limit, MpmNeighbourhoodKind *where)
 {
-  MpmLone       lone;
-  MpmPatchLimit found = {.courant = NAN};
+  MpmNeighbourhood found;
 
   PetscFunctionBegin;
-  PetscCall(MpmLoneFind(of->layout, of->scheme, of->step.courant, &lone));
-  if (!lone.known) PetscCall(MpmPatchFind(of, MPM_PATCH_LONE, &found));
-  *limit = lone.known ? lone.courant : found.courant;
+  PetscCall(MpmLoneFind(of->layout, of->scheme, of->step.courant, &found));
+  if (!found.closed) PetscCall(MpmPatchFind(of, MPM_ALONE, &found));
+  *limit = found.courant;
   *where = MPM_ALONE;
   if (isfinite(*limit)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPatchFind(of, MPM_PATCH_EDGE, &found));
+  PetscCall(MpmPatchFind(of, MPM_AT_EDGE, &found));
   *limit = found.courant;
   *where = MPM_AT_EDGE;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -11,7 +11,7 @@
    without a search. That this is the limit is then checked by growth at smaller and larger k. Where that does not bear
    it out, as for a gas, growth decides at a row of k and by bisection.
 */
-#include "analysis/patch.h"
+#include "analysis/neighbourhoods.h"
 #include "analysis/search.h"
 #include "analysis/patch_search.h"
 #include "base/farm.h"
@@ -457,7 +457,7 @@ static PetscInt Bits(PetscInt set)
 
 /* Keeps the limit of a lattice if it is less than what is known. */
 static void Keep(const Patch *p, const MpmPatchSpot *spot, PetscReal limit, PetscBool approached, PetscBool inside,
-                 MpmPatchLimit *out)
+                 MpmNeighbourhood *out)
 {
   const MpmLayout *layout = p->lattice.of->layout;
 
@@ -497,7 +497,7 @@ static void StartFrom(const Fewer *fewer, PetscInt set, MpmPatchSearch *search)
 
 /* The limit of the lattice that has ends in the directions of a set of bits. */
 static PetscErrorCode FindEnds(const MpmCriticalCase *of, const MpmNodalPlan *plan, MpmPatchEnd end, PetscInt set,
-                               PetscInt wanted, Fewer *fewer, MpmPatchLimit *out)
+                               PetscInt wanted, Fewer *fewer, MpmNeighbourhood *out)
 {
   Patch        p = {.lattice = {.of = of, .plan = plan}, .tolerance = of->tolerance};
   PetscBool    approached;
@@ -528,23 +528,23 @@ static PetscErrorCode FindEnds(const MpmCriticalCase *of, const MpmNodalPlan *pl
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmPatchFind(const MpmCriticalCase *of, MpmPatchKind kind, MpmPatchLimit *out)
+PetscErrorCode MpmPatchFind(const MpmCriticalCase *of, MpmNeighbourhoodKind kind, MpmNeighbourhood *out)
 {
-  const PetscReal begin = MPI_Wtime();
-  const PetscInt  dim = of->layout->dim, all = (1 << dim) - 1;
-  const PetscInt  wanted = kind == MPM_PATCH_LONE ? dim : PetscMin(dim, kind == MPM_PATCH_CORNER ? 2 : 1);
-  MpmNodalPlan   *plan;
-  Fewer           fewer = {.known = {PETSC_FALSE}};
+  const PetscInt dim = of->layout->dim, all = (1 << dim) - 1;
+  const PetscInt wanted = kind == MPM_ALONE ? dim : PetscMin(dim, kind == MPM_AT_CORNER ? 2 : 1);
+  MpmNodalPlan  *plan;
+  Fewer          fewer = {.known = {PETSC_FALSE}};
 
   PetscFunctionBegin;
   MpmCheckInput(!MpmTableSolves(of->scheme->table),
                 "transfer %s: limits of edges, corners and lone particles are not known for a transfer that solves for "
                 "the values of nodes; allowed: all others",
                 of->scheme->transfer->name);
-  *out = (MpmPatchLimit){.courant = INFINITY};
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) out->place[a] = out->beta[a] = NAN;
+  *out         = MpmNeighbourhoodOf(kind);
+  out->courant = INFINITY;
+  out->growth  = 0;
   PetscCall(MpmNodalPlanCreate(of->scheme->table, NULL, &plan));
-  if (kind == MPM_PATCH_LONE)
+  if (kind == MPM_ALONE)
     PetscCall(FindEnds(of, plan, MPM_PATCH_SINGLE, all, wanted, &fewer, out));
   else
     for (PetscInt n = 0; n <= wanted && out->courant > 0; n++) /* no limit is less than 0 */
@@ -554,6 +554,5 @@ PetscErrorCode MpmPatchFind(const MpmCriticalCase *of, MpmPatchKind kind, MpmPat
         if (Alike(of->layout)) break;
       }
   PetscCall(MpmNodalPlanDestroy(&plan));
-  out->seconds = MPI_Wtime() - begin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

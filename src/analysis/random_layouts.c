@@ -1,7 +1,7 @@
 /* Random layouts in a small periodic box: growth, limits, and layouts that are made worse step by step. */
 #include "analysis/cluster.h"
 #include "analysis/lone.h"
-#include "analysis/random_layouts.h"
+#include "analysis/neighbourhoods.h"
 #include "analysis/search.h"
 #include "base/farm.h"
 #include "base/textfile.h"
@@ -21,11 +21,12 @@ PetscInt MpmRankOfQuantile(PetscInt quantile, PetscInt n)
 }
 
 typedef struct {
-  const MpmCriticalCase *of;
-  const MpmNodalPlan    *plan;
-  MpmRandomLayouts      *asked;
-  PetscReal              courant, *growth; /* growth of each layout at this Courant number */
-  PetscInt               evaluations;
+  const MpmCriticalCase  *of;
+  const MpmNodalPlan     *plan;
+  const MpmRandomLayouts *asked;
+  MpmNeighbourhood       *found;
+  PetscReal               courant, *growth; /* growth of each layout at this Courant number */
+  PetscInt                evaluations;
 } Search;
 
 /* One layout in its box, and its particles. */
@@ -46,7 +47,7 @@ static PetscErrorCode BoxOf(const Search *s, PetscInt i, MpmLayout *to)
   l.sites = 1;
   if (l.jitter == 0) l.jitter = 1;
   for (PetscInt a = 0; a < l.dim; a++) {
-    const PetscInt cells = s->asked->box;
+    const PetscInt cells = s->found->cells;
 
     l.grid[a]  = (MpmDirection){.cells = cells, .nodes = cells, .ends = {MPM_PERIODIC, MPM_PERIODIC}};
     l.first[a] = 0;
@@ -159,13 +160,13 @@ static PetscErrorCode ScanForLimit(Search *s)
 
   PetscFunctionBegin;
   PetscCall(MpmSearchScan(LargestGrowth, s, s->of->tolerance, s->of->step.courant, PRECISION, &critical));
-  s->asked->windows = critical.windows;
-  s->asked->fades   = critical.threshold ? PETSC_FALSE : PETSC_TRUE;
-  s->asked->courant = isinf(critical.unstable_at) ? INFINITY : critical.threshold ? critical.stable_at : 0;
+  s->found->windows = critical.windows;
+  s->found->fades   = critical.threshold ? PETSC_FALSE : PETSC_TRUE;
+  s->found->courant = isinf(critical.unstable_at) ? INFINITY : critical.threshold ? critical.stable_at : 0;
   if (isinf(critical.unstable_at)) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GrowthOfAll(s, critical.unstable_at));
   for (PetscInt i = s->asked->n - 1; i >= 0; i--)
-    if (!(s->growth[i] <= 1 + s->of->tolerance)) s->asked->worst = s->asked->seed + i;
+    if (!(s->growth[i] <= 1 + s->of->tolerance)) s->found->worst_seed = s->asked->seed + i;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -278,7 +279,7 @@ static PetscErrorCode Write(Search *s)
   Boxed          b;
 
   PetscFunctionBegin;
-  PetscCall(BoxedCreate(s, (PetscInt)(s->asked->worst - s->asked->seed), &b));
+  PetscCall(BoxedCreate(s, (PetscInt)(s->found->worst_seed - s->asked->seed), &b));
   PetscCall(LimitOfBox(&b, MPM_CRITICAL_TO, &limit));
   PetscCall(Worsen(&b, &limit));
   PetscCall(MpmTextFileOpen(s->asked->write, &csv));
@@ -310,26 +311,27 @@ static PetscErrorCode LimitOf(void *context, PetscInt i)
 /* The least limit and the quantiles of all. Where one is not known none of these is. */
 static PetscErrorCode FindLimits(Search *s)
 {
-  MpmRandomLayouts *asked = s->asked;
+  const MpmRandomLayouts *asked = s->asked;
+  MpmNeighbourhood       *found = s->found;
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(s->growth, asked->n));
   PetscCall(MpmFarm("layout", asked->n, LimitOf, s));
   PetscCall(MpmFarmSumReals(asked->n, s->growth));
-  asked->courant = INFINITY;
+  found->courant = INFINITY;
   for (PetscInt i = 0; i < asked->n; i++) {
     if (isnan(s->growth[i])) {
-      asked->courant = NAN;
+      found->courant = NAN;
       PetscFunctionReturn(PETSC_SUCCESS);
     }
-    if (!(s->growth[i] < asked->courant)) continue;
-    asked->courant = s->growth[i];
-    asked->worst   = asked->seed + i;
+    if (!(s->growth[i] < found->courant)) continue;
+    found->courant    = s->growth[i];
+    found->worst_seed = asked->seed + i;
   }
-  if (asked->write && *asked->write && isfinite(asked->courant)) PetscCall(Write(s));
+  if (asked->write && *asked->write && isfinite(found->courant)) PetscCall(Write(s));
   PetscCall(PetscSortReal(asked->n, s->growth));
   for (PetscInt q = 0; q < MPM_QUANTILES && asked->scatter; q++)
-    asked->quantile[q] = s->growth[MpmRankOfQuantile(q, asked->n) - 1];
+    found->quantile[q] = s->growth[MpmRankOfQuantile(q, asked->n) - 1];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -349,41 +351,41 @@ static PetscErrorCode FindLimit(Search *s)
 /* Growth at the case's own Courant number. */
 static PetscErrorCode FindGrowth(Search *s)
 {
-  MpmRandomLayouts *asked = s->asked;
+  const MpmRandomLayouts *asked = s->asked;
+  MpmNeighbourhood       *found = s->found;
 
   PetscFunctionBegin;
   PetscCall(GrowthOfAll(s, s->of->step.courant));
   for (PetscInt i = 0; i < asked->n; i++) {
-    if (isnan(s->growth[i])) asked->undecided++;
-    if (s->growth[i] > 1 + s->of->tolerance) asked->unstable++;
-    if (s->growth[i] <= asked->growth) continue;
-    asked->growth = s->growth[i];
-    asked->worst  = asked->seed + i;
+    if (isnan(s->growth[i])) found->undecided++;
+    if (s->growth[i] > 1 + s->of->tolerance) found->unstable++;
+    if (s->growth[i] <= found->growth) continue;
+    found->growth     = s->growth[i];
+    found->worst_seed = asked->seed + i;
   }
-  if (asked->undecided) asked->growth = NAN;
+  if (found->undecided) found->growth = NAN;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmRandomLayoutsFind(const MpmCriticalCase *of, MpmRandomLayouts *asked)
+PetscErrorCode MpmRandomLayoutsFind(const MpmCriticalCase *of, const MpmRandomLayouts *asked, MpmNeighbourhood *found)
 {
   static const PetscInt box[MPM_MAX_DIM] = {24, 6, 3};
-  Search                s                = {.of = of, .asked = asked};
+  Search                s                = {.of = of, .asked = asked, .found = found};
   MpmNodalPlan         *plan;
 
   PetscFunctionBegin;
   PetscCall(MpmNodalPlanCreate(of->scheme->table, NULL, &plan));
-  s.plan          = plan;
-  asked->growth   = 0;
-  asked->box      = asked->cells ? asked->cells : box[of->layout->dim - 1];
-  asked->courant  = NAN;
-  asked->worst    = asked->seed;
-  asked->unstable = asked->undecided = 0;
-  for (PetscInt q = 0; q < MPM_QUANTILES; q++) asked->quantile[q] = NAN;
+  s.plan            = plan;
+  *found            = MpmNeighbourhoodOf(found->kind);
+  found->growth     = 0;
+  found->layouts    = asked->n;
+  found->cells      = asked->cells ? asked->cells : box[of->layout->dim - 1];
+  found->worst_seed = asked->seed;
   PetscCall(PetscMalloc1(asked->n, &s.growth));
   PetscCall(FindGrowth(&s));
   if (asked->limits) PetscCall(FindLimit(&s));
   PetscCall(MpmFarmSumInts(1, &s.evaluations));
-  asked->evaluations = s.evaluations;
+  found->evaluations = s.evaluations;
   PetscCall(PetscFree(s.growth));
   PetscCall(MpmNodalPlanDestroy(&plan));
   PetscFunctionReturn(PETSC_SUCCESS);

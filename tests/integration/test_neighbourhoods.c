@@ -6,12 +6,11 @@
 #include "check.h"
 #include "analysis/lone.h"
 #include "analysis/neighbourhoods.h"
-#include "analysis/random_layouts.h"
 #include "linalg/dense.h"
 #include "scene/layout.h"
 #include <mpmstab/operator.h>
 
-static PetscErrorCode LoneOf(const char options[], MpmLone *lone)
+static PetscErrorCode LoneOf(const char options[], MpmNeighbourhood *lone)
 {
   MpmScene *scene;
 
@@ -43,23 +42,23 @@ static PetscErrorCode CheckNumbers(void)
       {"-formulation usf -basis quadratic", INFINITY},
       {"-dim 2 -formulation musl -transfer pic -basis gimp", INFINITY},
   };
-  MpmLone lone;
+  MpmNeighbourhood lone;
 
   PetscFunctionBegin;
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(known); i++) {
     PetscCall(LoneOf(known[i].options, &lone));
-    CHECK(lone.known &&
+    CHECK(lone.closed &&
               (lone.courant == known[i].courant || fabs(lone.courant - known[i].courant) <= 2e-9 * known[i].courant),
           "%s: %.12g, not %.12g", known[i].options, lone.courant, known[i].courant);
   }
   PetscCall(LoneOf("-formulation usl -transfer apic -basis quadratic", &lone));
-  CHECK(!lone.known, "a closed form for apic with the gradient of quadratic splines");
+  CHECK(!lone.closed, "a closed form for apic with the gradient of quadratic splines");
   PetscCall(LoneOf("-formulation usl -transfer fmpm -basis quadratic", &lone));
-  CHECK(!lone.known, "a closed form for fmpm, whose stress is of another nodal velocity");
+  CHECK(!lone.closed, "a closed form for fmpm, whose stress is of another nodal velocity");
   PetscCall(LoneOf("-formulation musl", &lone));
-  CHECK(!lone.known, "a closed form for musl on hats, which has a limit on a node");
+  CHECK(!lone.closed, "a closed form for musl on hats, which has a limit on a node");
   PetscCall(LoneOf("-formulation gas2", &lone));
-  CHECK(!lone.known, "a closed form for a gas");
+  CHECK(!lone.closed, "a closed form for a gas");
   PetscCall(LoneOf("-formulation usl -basis quadratic -courant 0.9", &lone));
   CHECK(fabs(lone.growth - 3.86) < 1e-8 && lone.approached && fabs(lone.place[0] - 0.5) < 1e-9, "growth %.12g at %.12g",
         lone.growth, lone.place[0]);
@@ -104,9 +103,9 @@ static PetscErrorCode CheckAssembled(void)
 
   PetscFunctionBegin;
   for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(cases); i++) {
-    char      options[256];
-    MpmLone   lone;
-    PetscReal growth;
+    char             options[256];
+    MpmNeighbourhood lone;
+    PetscReal        growth;
 
     PetscCall(PetscSNPrintf(options, sizeof options, "%s -ppc 1", cases[i]));
     PetscCall(LoneOf(options, &lone));
@@ -127,7 +126,8 @@ static PetscErrorCode CheckFull(const char options[], const char box[])
   char             all[256];
   MpmScene        *scene;
   MpmOperator     *op;
-  MpmRandomLayouts layouts = {.n = 1, .seed = 5};
+  MpmRandomLayouts asked   = {.n = 1, .seed = 5};
+  MpmNeighbourhood layouts = {.kind = MPM_AT_RANDOM};
   MpmCriticalCase  of;
   PetscReal        value[2];
 
@@ -135,11 +135,11 @@ static PetscErrorCode CheckFull(const char options[], const char box[])
   PetscCall(PetscSNPrintf(all, sizeof all, "%s %s -ppc 1 -jitter 0.8 -seed 5 -courant 1.7", options, box));
   PetscCall(CheckScene(all, &scene));
   of = MpmCriticalCaseOf(scene, 1e-6);
-  PetscCall(MpmRandomLayoutsFind(&of, &layouts));
+  PetscCall(MpmRandomLayoutsFind(&of, &asked, &layouts));
   PetscCall(MpmOperatorCreate(PETSC_COMM_SELF, &scene->layout, &scene->scheme, &scene->step, &op));
   PetscCall(MpmDenseLargest(op->balanced, value));
   CHECK_NEAR(layouts.growth / MpmGrowthPerStep(hypot(value[0], value[1]), op->exponent, 1), 1, 1e-6);
-  CHECK(layouts.unstable == (layouts.growth > 1 + 1e-6) && layouts.worst == 5, "%s: %d unstable", options,
+  CHECK(layouts.unstable == (layouts.growth > 1 + 1e-6) && layouts.worst_seed == 5, "%s: %d unstable", options,
         (int)layouts.unstable);
   PetscCall(MpmOperatorDestroy(&op));
   PetscCall(MpmSceneDestroy(&scene));
@@ -181,7 +181,8 @@ static PetscErrorCode CheckOneLeft(void)
   of = MpmCriticalCaseOf(scene, 1e-6);
   for (PetscInt64 seed = 0; seed < 20; seed++) {
     MpmLayout        layout  = scene->layout;
-    MpmRandomLayouts layouts = {.n = 1, .seed = seed, .voids = voids, .limits = PETSC_TRUE};
+    MpmRandomLayouts asked   = {.n = 1, .seed = seed, .voids = voids, .limits = PETSC_TRUE};
+    MpmNeighbourhood layouts = {.kind = MPM_AT_RANDOM};
     PetscInt         left    = 0, cell;
     PetscReal        xi      = NAN;
 
@@ -193,7 +194,7 @@ static PetscErrorCode CheckOneLeft(void)
     }
     if (left != 1) continue;
     found++;
-    PetscCall(MpmRandomLayoutsFind(&of, &layouts));
+    PetscCall(MpmRandomLayoutsFind(&of, &asked, &layouts));
     CHECK_NEAR(layouts.growth, fmax(1, fabs(1 - 0.36 / (xi * (1 - xi)))), 1e-7); /* 1 is defective */
     CHECK(fabs(layouts.courant / sqrt(2 * xi * (1 - xi)) - 1) < 1e-6, "limit %.9g at %g", layouts.courant, xi);
   }
@@ -207,18 +208,19 @@ static PetscErrorCode CheckLimits(void)
 {
   MpmScene        *scene;
   MpmCriticalCase  of;
-  MpmRandomLayouts layouts = {.n = 6, .seed = 1, .voids = 0.8, .limits = PETSC_TRUE};
+  MpmRandomLayouts asked   = {.n = 6, .seed = 1, .voids = 0.8, .limits = PETSC_TRUE};
+  MpmNeighbourhood layouts = {.kind = MPM_AT_RANDOM};
 
   PetscFunctionBegin;
   PetscCall(CheckScene("-dim 2 -ppc 1 -formulation usl -transfer apic -gradient mls -basis quadratic", &scene));
   of = MpmCriticalCaseOf(scene, 1e-6);
-  PetscCall(MpmRandomLayoutsFind(&of, &layouts));
+  PetscCall(MpmRandomLayoutsFind(&of, &asked, &layouts));
   CHECK(layouts.courant > sqrt(0.7) * (1 - 1e-6) && layouts.courant < 1, "limit %.9g", layouts.courant);
   CHECK(layouts.unstable == 0 && layouts.undecided == 0, "%d unstable", (int)layouts.unstable);
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(CheckScene("-formulation gas1", &scene));
   of = MpmCriticalCaseOf(scene, 1e-6);
-  PetscCall(MpmRandomLayoutsFind(&of, &layouts));
+  PetscCall(MpmRandomLayoutsFind(&of, &asked, &layouts));
   CHECK(layouts.courant == 0 && layouts.unstable == 6, "gas1: limit %.9g", layouts.courant);
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);

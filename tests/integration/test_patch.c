@@ -4,14 +4,14 @@
 */
 #include "check.h"
 #include "analysis/critical_parts.h"
-#include "analysis/patch.h"
+#include "analysis/neighbourhoods.h"
 #include "analysis/patch_search.h"
 #include "linalg/dense.h"
 #include <mpmstab/operator.h>
 
 #define TOLERANCE 1e-6
 
-static PetscErrorCode FindPatch(const char options[], MpmPatchKind kind, MpmPatchLimit *limit)
+static PetscErrorCode FindPatch(const char options[], MpmNeighbourhoodKind kind, MpmNeighbourhood *limit)
 {
   MpmScene       *scene;
   MpmCriticalCase of;
@@ -28,10 +28,10 @@ static PetscErrorCode FindPatch(const char options[], MpmPatchKind kind, MpmPatc
 
 static PetscErrorCode CheckLone(const char options[], PetscReal expected, PetscBool approached)
 {
-  MpmPatchLimit limit;
+  MpmNeighbourhood limit;
 
   PetscFunctionBegin;
-  PetscCall(FindPatch(options, MPM_PATCH_LONE, &limit));
+  PetscCall(FindPatch(options, MPM_ALONE, &limit));
   if (isinf(expected))
     CHECK(isinf(limit.courant), "%s: %g", options, limit.courant);
   else
@@ -243,12 +243,12 @@ static PetscErrorCode CheckBlocks(void)
 /* What the search reports is the limit of its place, and no place nearby or elsewhere on a row is worse. */
 static PetscErrorCode CheckEdge(const char options[])
 {
-  MpmScene     *scene;
-  MpmPatchLimit limit;
-  PetscReal     there;
+  MpmScene        *scene;
+  MpmNeighbourhood limit;
+  PetscReal        there;
 
   PetscFunctionBegin;
-  PetscCall(FindPatch(options, MPM_PATCH_EDGE, &limit));
+  PetscCall(FindPatch(options, MPM_AT_EDGE, &limit));
   PetscCall(CheckScene(options, &scene));
   CHECK(isnan(limit.beta[0]) && limit.growth <= 1 + TOLERANCE, "%s: growth %g", options, limit.growth);
   for (PetscInt i = 0; i < 64; i++) {
@@ -271,9 +271,9 @@ static PetscErrorCode CheckSlow(void)
 {
   PetscFunctionBegin;
   for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(slow); s++) {
-    MpmPatchLimit edge;
+    MpmNeighbourhood edge;
 
-    PetscCall(FindPatch(slow[s].options, MPM_PATCH_EDGE, &edge));
+    PetscCall(FindPatch(slow[s].options, MPM_AT_EDGE, &edge));
     CHECK_NEAR(edge.courant, slow[s].courant, 1e-6);
     CHECK_NEAR(edge.place[0], 5.0 / 6, 1e-5);
     CHECK(!edge.inside, "%s", slow[s].options);
@@ -284,12 +284,12 @@ static PetscErrorCode CheckSlow(void)
 /* What a lattice has of its other end is no limit: of elastic a mode there, of gas2 waves that come back from there. */
 static PetscErrorCode CheckOtherEnd(void)
 {
-  MpmPatchLimit edge;
+  MpmNeighbourhood edge;
 
   PetscFunctionBegin;
-  PetscCall(FindPatch("-formulation elastic -transfer pic -basis gimp -ppc 1", MPM_PATCH_EDGE, &edge));
+  PetscCall(FindPatch("-formulation elastic -transfer pic -basis gimp -ppc 1", MPM_AT_EDGE, &edge));
   CHECK(isnan(edge.courant) && isnan(edge.growth), "elastic: %g, growth %g", edge.courant, edge.growth);
-  PetscCall(FindPatch("-formulation gas2 -transfer pic -basis gimp -ppc 1", MPM_PATCH_EDGE, &edge));
+  PetscCall(FindPatch("-formulation gas2 -transfer pic -basis gimp -ppc 1", MPM_AT_EDGE, &edge));
   CHECK_NEAR(edge.courant, 2.099800, 1e-5); /* that of the bulk */
   CHECK(edge.inside && edge.places > 0 && edge.depth >= 40, "gas2: %d places", (int)edge.places);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -304,21 +304,21 @@ static PetscErrorCode CheckSearch(void)
       "-formulation usf -basis gimp -gradient mls -transfer xpic -ppc 3",
       "-formulation musl -basis cubic -gradient mls -transfer blend -blend_ratio 0.1 -ppc 2",
       "-formulation musl -basis gimp -gradient mls -transfer blend -blend_ratio 0.1 -ppc 4"};
-  MpmPatchLimit edge, corner, lone;
+  MpmNeighbourhood edge, corner, lone;
 
   PetscFunctionBegin;
   for (size_t e = 0; e < PETSC_STATIC_ARRAY_LENGTH(edges); e++) PetscCall(CheckEdge(edges[e]));
   PetscCall(CheckEdge("-cells 8 -courant 0.3 -formulation usl -basis quadratic"));
   PetscCall(CheckEdge("-cells 8 -courant 0.3 -formulation usl -basis cubic -transfer apic"));
   PetscCall(CheckEdge("-cells 8 -courant 0.3 -formulation usf -basis gimp -ppc 3"));
-  PetscCall(FindPatch("-cells 8 -formulation usl", MPM_PATCH_EDGE, &edge));
+  PetscCall(FindPatch("-cells 8 -formulation usl", MPM_AT_EDGE, &edge));
   CHECK(edge.courant == 0 && edge.approached && isinf(edge.growth), "hats: %g, growth %g", edge.courant, edge.growth);
-  PetscCall(FindPatch("-cells 8 -formulation gas1", MPM_PATCH_EDGE, &edge));
+  PetscCall(FindPatch("-cells 8 -formulation gas1", MPM_AT_EDGE, &edge));
   CHECK(edge.courant == 0 && edge.growth > 1.1, "gas1: %g, growth %g", edge.courant, edge.growth);
 #define FLUID "-dim 2 -cells 8 -ppc 1 -formulation usl -transfer apic -gradient mls -basis quadratic -poisson 0.5"
-  PetscCall(FindPatch(FLUID, MPM_PATCH_EDGE, &edge));
-  PetscCall(FindPatch(FLUID, MPM_PATCH_CORNER, &corner));
-  PetscCall(FindPatch(FLUID, MPM_PATCH_LONE, &lone));
+  PetscCall(FindPatch(FLUID, MPM_AT_EDGE, &edge));
+  PetscCall(FindPatch(FLUID, MPM_AT_CORNER, &corner));
+  PetscCall(FindPatch(FLUID, MPM_ALONE, &lone));
   CHECK_NEAR(lone.courant, M_SQRT1_2, 1e-9);
   CHECK(corner.courant > lone.courant && edge.courant > corner.courant, "corner %g, edge %g", corner.courant,
         edge.courant);

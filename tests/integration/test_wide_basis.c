@@ -5,8 +5,7 @@
 */
 #include "scheme/basis/nodes.h"
 #include "analysis/lone.h"
-#include "analysis/patch.h"
-#include "analysis/random_layouts.h"
+#include "analysis/neighbourhoods.h"
 #include "analysis/spectrum.h"
 #include "linalg/dense.h"
 #include "operators.h"
@@ -284,15 +283,15 @@ static PetscErrorCode CheckLimit(const char options[], PetscReal limit, PetscRea
 /* 2 sqrt(D / chi) and sqrt(2 D / chi), with chi = 1 + (dim - 1) nu / (1 - nu). */
 static PetscErrorCode CheckLone(const char options[], PetscReal limit)
 {
-  char      all[256];
-  MpmScene *scene;
-  MpmLone   lone;
+  char             all[256];
+  MpmScene        *scene;
+  MpmNeighbourhood lone;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(all, sizeof all, SPLINE "-ppc 1 -gradient mls -cells 9 -fill 4,5 %s", options));
   PetscCall(SceneOf("run", all, &scene));
   PetscCall(MpmLoneFind(&scene->layout, &scene->scheme, 1, &lone));
-  CHECK(lone.known && fabs(lone.courant / limit - 1) <= 1e-9, "%s: %.12g, not %.12g", options, lone.courant, limit);
+  CHECK(lone.closed && fabs(lone.courant / limit - 1) <= 1e-9, "%s: %.12g, not %.12g", options, lone.courant, limit);
   PetscCall(MpmSceneDestroy(&scene));
   PetscCall(CheckLimit(all, limit, 1e-4));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -319,15 +318,15 @@ static PetscErrorCode CheckBulk(const char options[], PetscReal within)
 /* An edge: the bar whose surface is at the worst place has its limit. */
 static PetscErrorCode CheckEdge(const char options[])
 {
-  char            all[256];
-  MpmScene       *scene;
-  MpmCriticalCase of;
-  MpmPatchLimit   edge;
+  char             all[256];
+  MpmScene        *scene;
+  MpmCriticalCase  of;
+  MpmNeighbourhood edge;
 
   PetscFunctionBegin;
   PetscCall(SceneOf("run", options, &scene));
   of = MpmCriticalCaseOf(scene, 1e-6);
-  PetscCall(MpmPatchFind(&of, MPM_PATCH_EDGE, &edge));
+  PetscCall(MpmPatchFind(&of, MPM_AT_EDGE, &edge));
   PetscCall(MpmSceneDestroy(&scene));
   CHECK(edge.courant > 0 && edge.courant < 4, "%s: edge %g", options, edge.courant);
   PetscCall(PetscSNPrintf(all, sizeof all, "%s -cells 40 -fill 5,35 -offset %.17g", options, edge.place[0]));
@@ -340,7 +339,8 @@ static PetscErrorCode CheckRandom(const char options[])
 {
   char             all[256];
   MpmScene        *scene;
-  MpmRandomLayouts layouts = {.n = 1, .seed = 5};
+  MpmRandomLayouts asked   = {.n = 1, .seed = 5};
+  MpmNeighbourhood layouts = {.kind = MPM_AT_RANDOM};
   MpmCriticalCase  of;
   PetscReal        growth;
 
@@ -348,7 +348,7 @@ static PetscErrorCode CheckRandom(const char options[])
   PetscCall(PetscSNPrintf(all, sizeof all, SPLINE "%s -ppc 1 -jitter 0.8 -seed 5 -courant 2.2", options));
   PetscCall(SceneOf("run", all, &scene));
   of = MpmCriticalCaseOf(scene, 1e-6);
-  PetscCall(MpmRandomLayoutsFind(&of, &layouts));
+  PetscCall(MpmRandomLayoutsFind(&of, &asked, &layouts));
   PetscCall(AssembledGrowth(scene, 2.2, &growth));
   CHECK(growth > 1.01 && fabs(layouts.growth / growth - 1) <= 1e-6, "%s: %.9g, not %.9g", options, layouts.growth,
         growth);
