@@ -166,19 +166,36 @@ PetscErrorCode MpmMarchRebase(MpmMarch *march);
    id          - of particles that move each by itself
    within      - particles move in the middle of the step
    step        - that of the places; whole[after], part[after]: the drift since rest there, and a step later
+   scratch, all - scratch registers: of all particles one after another or, for MPM_BLOCK each, of those at work
    node, sum   - node fields, and the arrays that are summed to: sum[MPM_MASSES] are the inverse nodal masses, the fast
                  march sets the others
 S*/
 typedef struct {
   const MpmMarch   *march;
   const MpmRowPlan *plan;
-  PetscBool         within;
+  PetscBool         within, all;
   PetscInt         *cell[MPM_MAX_DIM], whole[2][MPM_MAX_DIM];
   PetscInt64       *id, step;
   PetscReal        *xi[MPM_MAX_DIM], part[2][MPM_MAX_DIM];
   PetscReal        *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
-  PetscReal        *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS + 1];
+  PetscReal        *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS + 1], *scratch;
 } MpmMarchArrays;
+
+/* Not collective. A particle register from particle begin on. */
+static inline PetscReal *MpmMarchRegister(const MpmMarchArrays *arrays, PetscInt r, PetscInt begin)
+{
+  const PetscInt scratch = r - MpmTableHeld(arrays->march->scheme->table);
+
+  if (scratch < 0) return arrays->particle[r] + begin;
+  return arrays->all ? arrays->scratch + scratch * arrays->march->particles->count + begin
+                     : arrays->scratch + scratch * MPM_BLOCK;
+}
+
+/*
+   Not collective. Runs an operation on particles alone, or one that moves them, on n particles from begin on (finite.c).
+   Its factor is all that multiplies it. after: they have been advanced.
+*/
+void MpmMarchOnParticles(const MpmMarchArrays *arrays, const MpmOp *op, PetscInt begin, PetscInt n, PetscBool after);
 
 /* Not collective. The arrays with the particles at the places of a step; a march gets them once at a time. */
 PetscErrorCode MpmMarchGetArrays(const MpmMarch *march, PetscInt64 step, MpmMarchArrays *arrays);
@@ -219,10 +236,10 @@ PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const s
 PetscErrorCode MpmNodesRefresh(const MpmMarch *march, const MpmParity parity[], PetscReal field[]);
 
 /*
-   Collective. An operation between node fields, at this rank's nodes and as many ghosts as op->depth leaves. step is
-   that of the particles' places.
+   Collective. An operation between node fields, of which the factor is all that multiplies it, at this rank's nodes and
+   all but depth of the ghosts. step is that of the particles' places.
 */
-PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmNodeOp *op, PetscInt64 step,
+PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmOp *op, PetscInt depth, PetscInt64 step,
                            PetscReal *const field[]);
 
 /* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
