@@ -6,6 +6,7 @@
 #include "march/adapt.h"
 #include "march/finite.h"
 #include "march/implicit_solve.h"
+#include "march/nodal_solve.h"
 #include <math.h>
 
 #define OF_PARTICLE 12.0 /* bytes: id and owner */
@@ -244,8 +245,7 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   PetscCall(CreateVectors(m));
   if (m->engine->placed) PetscCall(m->engine->placed(m));
   PetscCall(RegisterEvents(m));
-  if (MpmTableHas(scheme->table, MPM_SOLVE))
-    PetscCall(MpmNodalSolveCreate(layout, scheme->basis, m->grid, &m->nodal_solve));
+  if (MpmTableHas(scheme->table, MPM_SOLVE)) PetscCall(MpmNodalSolveCreate(m, &m->nodal_solve));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,5 @@
 /* What a march does on nodes alone, row by row of nodes. */
-#include "march/march_private.h"
+#include "march/nodal_solve.h"
 #include <math.h>
 
 PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const sums[], const MpmParity *const parity[],
@@ -107,10 +107,9 @@ static void Collide(const MpmMarch *march, const MpmOp *op, PetscInt depth, Pets
 PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmOp *op, PetscInt depth, PetscInt64 step,
                            PetscReal *const field[])
 {
-  const MpmMarch  *march  = arrays->march;
-  const MpmGrid   *grid   = march->grid;
-  const MpmGridBox box    = MpmGridBoxOf(grid, grid->ghost - depth);
-  const MpmPlaces  places = MpmMarchRest(arrays);
+  const MpmMarch  *march = arrays->march;
+  const MpmGrid   *grid  = march->grid;
+  const MpmGridBox box   = MpmGridBoxOf(grid, grid->ghost - depth);
 
   PetscFunctionBegin;
   if (op->kind == MPM_WALL)
@@ -118,9 +117,8 @@ PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmOp *op, PetscI
   else if (op->kind == MPM_COLLIDE)
     Collide(march, op, depth, march->scene ? MpmMarchTime(march, step) : 0, arrays->sum[MPM_MASSES], field);
   else if (op->kind == MPM_SOLVE)
-    PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, step, &places,
-                                 march->scheme->table->parity[op->dst], arrays->sum[MPM_MASSES], field[op->src],
-                                 field[op->dst]));
+    PetscCall(MpmNodalSolveApply(march->nodal_solve, arrays, step, march->scheme->table->parity[op->dst],
+                                 field[op->src], field[op->dst], NULL));
   else
     for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
       const PetscInt at = MpmGridRow(grid, &box, r) + box.lo[0];

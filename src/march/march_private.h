@@ -2,13 +2,13 @@
 #pragma once
 #include "base/float_check.h"
 #include "march/grid.h"
-#include "march/nodal_solve.h"
 #include "march/particles.h"
 #include "march/passes.h"
 #include <mpmstab/march.h>
 
 typedef struct MpmMarchEngine_   MpmMarchEngine;
 typedef struct MpmRowPlan_       MpmRowPlan;       /* a pass compiled for rows of particles (march/rows.h) */
+typedef struct MpmNodalSolve_    MpmNodalSolve;    /* march/nodal_solve.h */
 typedef struct MpmImplicitSolve_ MpmImplicitSolve; /* march/implicit_solve.h */
 typedef struct MpmSolving_       MpmSolving;       /* a nonlinear system (march/finite.h) */
 typedef struct MpmWatch_ MpmWatch; /* what passes find out about particles that move each by itself (march/finite.h) */
@@ -201,18 +201,6 @@ void MpmMarchOnParticles(const MpmMarchArrays *arrays, const MpmOp *op, PetscInt
 PetscErrorCode MpmMarchGetArrays(const MpmMarch *march, PetscInt64 step, MpmMarchArrays *arrays);
 PetscErrorCode MpmMarchRestoreArrays(const MpmMarch *march, MpmMarchArrays *arrays);
 
-/* Not collective. What a nodal solve needs of them. */
-static inline MpmPlaces MpmMarchRest(const MpmMarchArrays *arrays)
-{
-  MpmPlaces places = {.mass = arrays->weight[MPM_MASS]};
-
-  for (PetscInt a = 0; a < arrays->march->layout->dim; a++) {
-    places.cell[a] = arrays->cell[a];
-    places.xi[a]   = arrays->xi[a];
-  }
-  return places;
-}
-
 /*
    Not collective. Moves n particles from their resting places along an axis on to those of the step, or after it. Along
    an axis without drift they stay exactly where they are, also those just left of a wall.
@@ -245,11 +233,9 @@ PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmOp *op, PetscI
 /* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
 PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);
 
-/* Collective. P2G of one particle field at the present places, into a local vector with its ghosts. */
-PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node);
-
 /*
-   Collective. P2G of one particle field at the places after the next DRIFT, while the particles stay. Sets
-   inverse_mass, a local vector, for these places. Under drift, the ghost layer must have slack.
+   Collective. P2G of one particle field with the particles at the places of a step, the present one or, while they stay,
+   the next: into a local vector with its ghosts. inverse_mass: NULL, or a local vector that is set for these places.
+   Under drift, the ghost layer must have slack for the next step.
 */
-PetscErrorCode MpmMarchProjectNext(MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node);
+PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, PetscInt64 step, Vec inverse_mass, Vec node);

@@ -275,11 +275,7 @@ static PetscErrorCode Stiffness(MpmMarch *march, PetscInt64 step, PetscInt i)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   P2G of one particle field with the particles at the places of a step. inverse_mass: NULL, or it is set for these
-   places.
-*/
-static PetscErrorCode Project(MpmMarch *march, PetscInt field, PetscInt64 step, Vec inverse_mass, Vec node)
+PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, PetscInt64 step, Vec inverse_mass, Vec node)
 {
   const MpmParity *parity = MpmTableParity(march->scheme->table, field);
   Plain            m      = {.march = march, .step = step};
@@ -298,20 +294,6 @@ static PetscErrorCode Project(MpmMarch *march, PetscInt field, PetscInt64 step, 
   if (inverse_mass) PetscCall(MpmGridRestoreArray(march->grid, inverse_mass, &mass));
   PetscCall(MpmGridRestoreArray(march->grid, node, &sum));
   PetscCall(End(&m));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)
-{
-  PetscFunctionBegin;
-  PetscCall(Project(march, field, march->particles->step, NULL, node));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmMarchProjectNext(MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node)
-{
-  PetscFunctionBegin;
-  PetscCall(Project(march, field, march->particles->step + 1, inverse_mass, node));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

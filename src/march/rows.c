@@ -276,22 +276,9 @@ typedef struct {
   PetscReal xi[MPM_BLOCK], weight[MPM_MOST_ACROSS][MPM_MOST_ROWS];
 } Placed;
 
-#define ACROSS 8 /* places along a direction across the rows whose weights are kept */
-
-/*
-   The weights of particles at xi along a direction across the rows, by kind, and the first of their nodes from the
-   cell.
-*/
-typedef struct {
-  PetscReal xi, weight[MPM_MOST_KINDS][MPM_MOST_NODES];
-  PetscInt  first;
-} Across;
-
-/* Memory for a row while it is in a pass. across: the nacross places that are kept for each direction. */
+/* Memory for a row while it is in a pass. */
 typedef struct {
   Placed    placed[2];
-  Across    across[MPM_MAX_DIM][ACROSS];
-  PetscInt  nacross[MPM_MAX_DIM];
   PetscReal line[MPM_MOST_LINES][LINE], weighed[MPM_BLOCK], ones[MPM_BLOCK];
 } Work;
 
@@ -328,60 +315,42 @@ static void PlaceAlong(const MpmMarchArrays *a, const MpmRow *row, PetscInt afte
   placed->hi += march->scheme->basis->nodes;
 }
 
-/*
-   The weights across the rows of a particle at xi in a cell. Rows have few different places in their cells, so they are
-   mostly known already; next to walls only where they are the same there.
-*/
-static const Across *FindAcross(const MpmMarchArrays *a, PetscInt axis, PetscInt cell, PetscReal xi, Work *w)
+/* Finds the rows of nodes that a row of particles has weights at, and these weights. */
+static void PlaceAcross(const MpmMarchArrays *a, PetscInt begin, PetscInt after, Placed *placed)
 {
   const MpmBasis *basis = a->march->scheme->basis;
-  const PetscInt  zero  = 0;
-  PetscInt        n     = MpmBasisIsAltered(basis) ? 0 : PetscMin(w->nacross[axis], ACROSS), wall[2];
-  Across         *found;
-  MpmBlock        block;
+  const MpmGrid  *grid  = a->march->grid;
+  const PetscInt  dim = grid->dim, ny = dim > 1 ? basis->nodes : 1, nz = dim > 2 ? basis->nodes : 1;
+  PetscInt        first[MPM_MAX_DIM] = {0};
+  PetscReal       weight[MPM_MAX_DIM][MPM_MOST_KINDS][MPM_MOST_NODES];
 
-  for (PetscInt i = 0; i < n; i++)
-    if (w->across[axis][i].xi == xi) return &w->across[axis][i];
-  found     = &w->across[axis][w->nacross[axis]++ % ACROSS];
-  found->xi = xi;
-  MpmDirectionWalls(&a->march->layout->grid[axis], a->march->grid->axis[axis].first + cell, wall);
-  MpmBlockPlace(basis, 1, &zero, &xi, a->march->layout->half_width[axis], wall, &block);
-  for (PetscInt k = 0; k < a->plan->nkinds; k++) basis->weights[a->plan->kind[k]](&block, 1, found->weight[k]);
-  found->first = block.first[0];
-  return found;
-}
-
-/* Finds the rows of nodes that a row of particles has weights at, and these weights. */
-static void PlaceAcross(const MpmMarchArrays *a, PetscInt begin, PetscInt after, Work *w, Placed *placed)
-{
-  static const Across none = {.weight[0][0] = 1}; /* a direction that is not there */
-  const MpmGrid      *grid = a->march->grid;
-  const PetscInt      n = a->march->scheme->basis->nodes, dim = grid->dim, ny = dim > 1 ? n : 1;
-  const Across       *along[MPM_MAX_DIM] = {NULL, &none, &none};
-  PetscInt            first[MPM_MAX_DIM] = {0, 0, 0};
-
+  weight[1][0][0] = weight[2][0][0] = 1; /* of a direction that is not there */
   for (PetscInt d = 1; d < dim; d++) {
-    PetscInt  cell;
-    PetscReal xi;
+    const PetscInt zero = 0;
+    PetscInt       cell, wall[2];
+    PetscReal      xi;
+    MpmBlock       block;
 
     MpmMarchPlaces(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
-    along[d] = FindAcross(a, d, cell, xi, w);
-    first[d] = cell + along[d]->first;
+    MpmDirectionWalls(&a->march->layout->grid[d], grid->axis[d].first + cell, wall);
+    MpmBlockPlace(basis, 1, &zero, &xi, a->march->layout->half_width[d], wall, &block);
+    for (PetscInt k = 0; k < a->plan->nkinds; k++) basis->weights[a->plan->kind[k]](&block, 1, weight[d][k]);
+    first[d] = cell + block.first[0];
   }
-  placed->rows = dim > 2 ? n * n : ny;
-  for (PetscInt z = 0, r = 0; z < placed->rows / ny; z++)
+  placed->rows = ny * nz;
+  for (PetscInt z = 0, r = 0; z < nz; z++)
     for (PetscInt y = 0; y < ny; y++, r++) {
       placed->offset[r] = a->cell[0][begin] + a->whole[after][0] + (first[1] + y) * grid->axis[1].stride +
                           (first[2] + z) * grid->axis[2].stride;
       for (PetscInt k = 0; k < a->plan->nacross; k++)
-        placed->weight[k][r] = along[1]->weight[a->plan->across[k].y][y] * along[2]->weight[a->plan->across[k].z][z];
+        placed->weight[k][r] = weight[1][a->plan->across[k].y][y] * weight[2][a->plan->across[k].z][z];
     }
 }
 
 static void Place(const MpmMarchArrays *a, const MpmRow *row, PetscInt after, Work *w)
 {
   PlaceAlong(a, row, after, &w->placed[after]);
-  PlaceAcross(a, row->begin, after, w, &w->placed[after]);
+  PlaceAcross(a, row->begin, after, &w->placed[after]);
 }
 
 /* Runs a map along x, from a line to particles or back. */
@@ -535,7 +504,6 @@ void MpmRowsRun(const MpmMarchArrays *arrays)
   const MpmMarch *march = arrays->march;
   Work            work;
 
-  for (PetscInt d = 0; d < MPM_MAX_DIM; d++) work.nacross[d] = 0;
   for (PetscInt p = 0; p < MPM_BLOCK; p++) work.ones[p] = 1;
   for (PetscInt r = 0; r < march->nrows; r++) RunRow(arrays, &march->row[r], &work);
 }
