@@ -286,7 +286,7 @@ static PetscErrorCode Conclude(Loop *loop)
   r->time  = MpmMarchTime(loop->march, r->steps);
   r->bytes = NAN; /* of the plain march nobody counts them */
   if (scene->layout.march == MPM_MARCH_FAST)
-    r->bytes = MpmScheduleBytes(scene->scheme.table, &loop->march->schedule,
+    r->bytes = MpmScheduleBytes(scene->scheme.table, &scene->layout, &loop->march->schedule,
                                 (PetscReal)scene->layout.particles / MpmLayoutNodes(&scene->layout), alike);
   if (loop->diagnostics) {
     r->transfer_first = loop->diagnostics->first;

@@ -355,7 +355,7 @@ static PetscErrorCode WriteNodes(MpmOutput *output, const char group[], MpmMarch
   for (PetscInt f = 0; output->scene->scheme.table->fields[f]; f++) {
     PetscReal *local;
 
-    PetscCall(MpmMarchProject(march, f, output->local));
+    PetscCall(MpmMarchProject(march, f, march->particles->step, NULL, output->local));
     PetscCall(MpmGridGetArray(march->grid, output->local, &local));
     PetscCall(SetByNumber(march, UnitOf(march, f), local, output->by_number));
     PetscCall(MpmGridRestoreArray(march->grid, output->local, &local));

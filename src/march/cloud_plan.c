@@ -78,7 +78,7 @@ static PetscInt FieldsOf(const MpmRowPlan *rows, Field field[])
 
   for (const MpmRowStep *step = rows->step; step < rows->step + rows->nsteps; step++)
     for (const MpmRowLine *l = rows->line + step->begin; l < rows->line + step->end; l++) {
-      const PetscBool sums = step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE;
+      const PetscBool sums = step->spreads;
       PetscInt        f    = 0;
 
       while (f < n && (field[f].node != l->node || field[f].sums != sums)) f++;
@@ -196,7 +196,7 @@ static void AddMap(MpmCloudPlan *plan, MpmCloudPart *part, const PetscInt number
 static void AddPart(const MpmRowPlan *rows, const MpmRowStep *step, PetscInt bundle, PetscInt share,
                     const MpmBasis *basis, PetscInt dim, Scratch *scratch, MpmCloudPlan *plan)
 {
-  const PetscBool spreads = step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool spreads = step->spreads;
   const PetscInt  terms = scratch->n, width = plan->bundle[bundle].width;
   MpmCloudPart   *part = &plan->part[plan->nparts];
 
@@ -237,17 +237,16 @@ static PetscBool Composes(const MpmRowPlan *rows, PetscInt nstate)
   PetscInt terms[MPM_MAX_FIELDS] = {0}, all = 0, maps = 0, kind[MPM_MAX_DIM];
 
   for (const MpmRowStep *step = rows->step; step < rows->step + rows->nsteps; step++) {
-    const PetscBool spreads = step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE;
+    const PetscBool spreads = step->spreads;
 
-    if (step->kind == MPM_ROW_FINITE) return PETSC_FALSE;
-    if (step->kind == MPM_ROW_SCALE || step->kind == MPM_ROW_ADD) {
-      const PetscInt more = step->kind == MPM_ROW_SCALE ? 0 : step->other < nstate ? 1 : terms[step->other];
+    if (step->begin == step->end) {
+      const MpmOp   *op   = &step->op;
+      const PetscInt more = op->kind == MPM_SCALE ? 0 : op->src < nstate ? 1 : terms[op->src];
 
-      if (step->particle < nstate) return PETSC_FALSE;
-      terms[step->particle] += more;
+      if ((op->kind != MPM_SCALE && op->kind != MPM_ADD) || op->dst < nstate) return PETSC_FALSE;
+      terms[op->dst] += more;
       all += more;
     }
-    if (!spreads && step->kind != MPM_ROW_GATHER) continue;
     for (const MpmRowLine *l = rows->line + step->begin; l < rows->line + step->end; l++)
       for (const MpmRowMap *m = rows->map + l->begin; m < rows->map + l->end; m++) {
         const PetscBool scratch = m->particle >= nstate ? PETSC_TRUE : PETSC_FALSE;
@@ -263,25 +262,24 @@ static PetscBool Composes(const MpmRowPlan *rows, PetscInt nstate)
 }
 
 /* Scales a scratch field of a composed plan, or adds a multiple of a field to it. */
-static void ComposeStep(const MpmRowStep *step, Scratch *scratch)
+static void ComposeStep(const MpmOp *op, Scratch *scratch)
 {
   const PetscInt n = scratch->n;
 
   for (PetscInt t = 0; t < n; t++) {
     Term term = scratch->term[t];
 
-    if (step->kind == MPM_ROW_SCALE && term.field == step->particle) {
-      scratch->term[t].a *= step->a;
-      if (step->a == 0) scratch->term[t].field = MPM_NONE;
+    if (op->kind == MPM_SCALE && term.field == op->dst) {
+      scratch->term[t].a *= op->factor;
+      if (op->factor == 0) scratch->term[t].field = MPM_NONE;
     }
-    if (step->kind != MPM_ROW_ADD || term.field != step->other) continue;
-    term.field = step->particle;
-    term.a *= step->a;
+    if (op->kind != MPM_ADD || term.field != op->src) continue;
+    term.field = op->dst;
+    term.a *= op->factor;
     scratch->term[scratch->n++] = term;
   }
-  if (step->kind == MPM_ROW_ADD && step->other < scratch->nstate)
-    scratch->term[scratch->n++] =
-        (Term){.field = step->particle, .particle = step->other, .from = MPM_NONE, .a = step->a};
+  if (op->kind == MPM_ADD && op->src < scratch->nstate)
+    scratch->term[scratch->n++] = (Term){.field = op->dst, .particle = op->src, .from = MPM_NONE, .a = op->factor};
 }
 
 void MpmCloudPlanCompile(const MpmRowPlan *rows, const MpmBasis *basis, PetscInt dim, PetscInt nstate,
@@ -307,7 +305,7 @@ void MpmCloudPlanCompile(const MpmRowPlan *rows, const MpmBasis *basis, PetscInt
     const MpmRowStep *step = &rows->step[s];
 
     plan->first[s] = plan->nparts;
-    if (plan->composed) ComposeStep(step, &scratch);
+    if (plan->composed && step->begin == step->end) ComposeStep(&step->op, &scratch);
     for (PetscInt b = 0; b < plan->nbundles && step->begin < step->end; b++)
       for (PetscInt share = 0; share <= rows->nkinds / MPM_BUNDLE_KINDS; share++)
         AddPart(rows, step, b, share, basis, dim, &scratch, plan);

@@ -167,7 +167,7 @@ static void RunCrosses(const MpmMarchArrays *a, const MpmCloudPart *part, PetscI
 
   for (const MpmCloudCross *c = w->plan->cross + part->first_cross; c < w->plan->cross + part->end_cross; c++) {
     const PetscReal *weight = c->weight ? a->weight[c->weight] + begin : w->ones;
-    PetscReal       *q      = MpmRowsField(a, c->particle, begin);
+    PetscReal       *q      = MpmMarchRegister(a, c->particle, begin);
 
     for (PetscInt p = 0; p < placed->cloud.n; p++) {
       const PetscReal factor = c->a * weight[p];
@@ -201,13 +201,13 @@ static void RunGather(const MpmMarchArrays *a, const MpmCloudPart *part, PetscIn
     if (m == plan->map + part->begin || m->product != m[-1].product || m->lane != m[-1].lane)
       TakeLane(taken + width * MPM_CLOUD * m->product + m->lane, width, n, w->lane[0]);
     AddWeighed(n, m->a, m->weight ? a->weight[m->weight] + begin : NULL, w->lane[0],
-               MpmRowsField(a, m->particle, begin));
+               MpmMarchRegister(a, m->particle, begin));
   }
 }
 
 static const PetscReal *FieldOf(const MpmMarchArrays *a, const MpmCloudMap *m, PetscInt begin, const Work *w)
 {
-  return m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, begin);
+  return m->particle == MPM_NONE ? w->ones : MpmMarchRegister(a, m->particle, begin);
 }
 
 /*
@@ -296,15 +296,12 @@ static void RunCloud(const MpmMarchArrays *a, PetscInt begin, PetscInt n, Work *
     for (const MpmCloudPart *part = w->plan->part + w->plan->first[s]; part < w->plan->part + w->plan->first[s + 1];
          part++) {
       TakeWeights(part, a->march->grid->dim, placed);
-      if (part->run && step->kind == MPM_ROW_GATHER)
-        RunGather(a, part, begin, placed, w);
-      else if (part->run)
-        RunSpread(a, part, begin, placed, w);
-      RunCrosses(a, part, begin, step->kind == MPM_ROW_SPREAD ? PETSC_TRUE : PETSC_FALSE, placed, w);
+      if (part->run) (step->spreads ? RunSpread : RunGather)(a, part, begin, placed, w);
+      RunCrosses(a, part, begin, step->spreads, placed, w);
     }
-    if (w->plan->composed && (step->kind == MPM_ROW_SCALE || step->kind == MPM_ROW_ADD)) continue;
-    MpmRowsOnParticles(a, step, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
-    if (step->kind == MPM_ROW_DRIFT || (step->kind == MPM_ROW_FINITE && step->finite == MPM_ADVANCE)) {
+    if (w->plan->composed || step->begin < step->end) continue;
+    MpmMarchOnParticles(a, &step->op, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
+    if (MpmOpTraitsOf(step->op.kind).dst == MPM_NOWHERE) {
       placed = &w->placed[1];
       Place(a, begin, n, 1, placed);
     }

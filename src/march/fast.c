@@ -33,7 +33,7 @@ static PetscErrorCode Compile(MpmMarch *march)
   if (!march->plans) PetscCall(PetscMalloc1(n, &march->plans));
   if (clouds && !march->clouds) PetscCall(PetscMalloc1(n, &march->clouds));
   for (PetscInt p = 0; p < n; p++) {
-    MpmRowPlanCompile(PassOf(march, p), march->scheme->basis, march->layout->dim, &march->plans[p]);
+    MpmRowPlanCompile(PassOf(march, p), march->scheme->basis, march->layout, &march->plans[p]);
     if (!clouds) continue;
     MpmCloudPlanCompile(&march->plans[p], march->scheme->basis, march->layout->dim, MpmTableHeld(march->scheme->table),
                         &march->clouds[p]);
@@ -103,14 +103,15 @@ static PetscErrorCode RunParticles(MpmMarch *march, const MpmPass *pass, PetscIn
     of_sum[s] = parity[pass->sum[s]];
     if (!march->clouds) PetscCall(MpmGridZero(march->grid, sums[s]));
   }
-  if (pass->sums_mass && !march->clouds) PetscCall(MpmGridZero(march->grid, a->sum[MPM_MASSES]));
+  if (pass->mass != MPM_NONE && !march->clouds) PetscCall(MpmGridZero(march->grid, a->sum[MPM_MASSES]));
   PetscCall(PetscLogEventBegin(march->pass_event, 0, 0, 0, 0));
   if (march->clouds)
     PetscCall(MpmCloudsRun(a, &march->clouds[number], march->bundles));
   else
     MpmRowsRun(a);
   PetscCall(PetscLogEventEnd(march->pass_event, 0, 0, 0, 0));
-  PetscCall(MpmNodesSum(march, pass->nsums, sums, of_sum, pass->sums_mass, a->sum[MPM_MASSES]));
+  PetscCall(MpmNodesSum(march, pass->nsums, sums, of_sum, pass->mass != MPM_NONE ? PETSC_TRUE : PETSC_FALSE,
+                        a->sum[MPM_MASSES]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -118,7 +119,8 @@ static PetscErrorCode RunParticles(MpmMarch *march, const MpmPass *pass, PetscIn
 static PetscErrorCode RunPass(MpmMarch *march, PetscInt number, const MpmParity parity[][MPM_MAX_DIM], PetscInt64 *step)
 {
   const MpmPass *pass   = PassOf(march, number);
-  MpmMarchArrays arrays = {.march = march, .plan = &march->plans[number], .within = pass->within};
+  MpmMarchArrays arrays = {
+      .march = march, .plan = &march->plans[number], .within = pass->within, .scratch = march->scratch};
 
   PetscFunctionBegin;
   PetscCall(MpmMarchGetArrays(march, *step, &arrays));
@@ -126,9 +128,11 @@ static PetscErrorCode RunPass(MpmMarch *march, PetscInt number, const MpmParity 
   PetscCall(RunParticles(march, pass, number, parity, &arrays));
   PetscCall(RestoreSums(march, pass, &arrays));
   if (pass->drifts && !pass->within) ++*step;
-  for (const MpmNodeOp *op = pass->node_op; op < pass->node_op + pass->nnode_ops; op++) {
+  for (PetscInt o = 0; o < pass->nnode_ops; o++) {
+    const MpmOp *op = &pass->node_op[o];
+
     if (op->kind != MPM_IMPLICIT) {
-      PetscCall(MpmNodesRun(&arrays, op, *step, arrays.node));
+      PetscCall(MpmNodesRun(&arrays, op, pass->depth[o], *step, arrays.node));
       continue;
     }
     if (op->axis > 0) continue;

@@ -123,7 +123,8 @@ static void Viscous(const MpmMarch *march, const MpmFiniteBlock *block)
   march->watch->viscosity = PetscMax(march->watch->viscosity, found);
 }
 
-void MpmFinitePlace(const MpmMarchArrays *a, MpmFiniteBlock *block)
+/* Sets what a block from begin on has besides the fields. */
+static void Place(const MpmMarchArrays *a, MpmFiniteBlock *block)
 {
   block->id = a->id + block->begin;
   for (PetscInt d = 0; d < a->march->grid->dim; d++) {
@@ -135,7 +136,7 @@ void MpmFinitePlace(const MpmMarchArrays *a, MpmFiniteBlock *block)
   if (a->weight[MPM_STIFFNESS]) block->stiffness = a->weight[MPM_STIFFNESS] + block->begin;
 }
 
-void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *block)
+static void Run(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *block)
 {
   const PetscInt          dim  = march->grid->dim;
   const PetscReal *const *from = (const PetscReal *const *)block->from;
@@ -157,6 +158,30 @@ void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *b
 
     if (bad < block->n) Note(march, MPM_INVERTED, block, bad);
   }
+}
+
+void MpmMarchOnParticles(const MpmMarchArrays *a, const MpmOp *op, PetscInt begin, PetscInt n, PetscBool after)
+{
+  const MpmTable *table = a->march->scheme->table;
+  const PetscInt  dst   = op->kind == MPM_ADVANCE ? op->src : op->dst;
+  MpmFiniteWidth  width;
+  MpmFiniteBlock  block = {.begin = begin, .n = n, .step = a->step + (after && !a->within), .a = op->factor};
+
+  if (op->kind == MPM_DRIFT) return;
+  if (op->kind == MPM_SCALE) {
+    MpmScale(n, op->factor, MpmMarchRegister(a, op->dst, begin));
+    return;
+  }
+  if (op->kind == MPM_ADD) {
+    MpmNodeAdd(0, n, op->factor, MpmMarchRegister(a, op->src, begin), MpmMarchRegister(a, op->dst, begin));
+    return;
+  }
+  width = MpmFiniteWidthOf(op->kind, table->dim, MpmTableStretches(table));
+  for (PetscInt c = 0; c < width.to; c++) block.to[c] = MpmMarchRegister(a, dst + c, begin);
+  for (PetscInt c = 0; c < width.from; c++) block.from[c] = MpmMarchRegister(a, op->src + c, begin);
+  for (PetscInt c = 0; c < width.stretch; c++) block.stretch[c] = MpmMarchRegister(a, table->stretch + c, begin);
+  Place(a, &block);
+  Run(a->march, op->kind, &block);
 }
 
 void MpmFiniteForget(MpmMarch *march)

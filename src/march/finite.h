@@ -61,12 +61,6 @@ typedef struct {
 } MpmFiniteWidth;
 MpmFiniteWidth MpmFiniteWidthOf(MpmOpKind kind, PetscInt dim, PetscInt stretches);
 
-/* Not collective. Sets what a block from begin on has besides the fields. */
-void MpmFinitePlace(const MpmMarchArrays *arrays, MpmFiniteBlock *block);
-
-/* Not collective. Runs an operation on a block. */
-void MpmFiniteRun(const MpmMarch *march, MpmOpKind kind, const MpmFiniteBlock *block);
-
 /*
    Not collective. The gravity of the march's scene, and its body force on particle id, at its place at rest and at the
    time of a step and a part of the next one, in units of c^2 / h.

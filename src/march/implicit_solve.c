@@ -380,7 +380,7 @@ PetscErrorCode MpmImplicitSolveCreate(MpmMarch *march, const MpmTable *k, MpmImp
   s->march = march;
   s->k     = k;
   s->step  = -1;
-  PetscCall(MpmScheduleCompile(k, march->scheme->basis, march->layout, 1, PETSC_FALSE, PETSC_TRUE, &s->schedule));
+  PetscCall(MpmScheduleCompile(k, 1, PETSC_FALSE, PETSC_TRUE, &s->schedule));
   PetscCheck(s->schedule.npasses == 1, PETSC_COMM_SELF, PETSC_ERR_PLIB, "a product with K takes one pass");
   PetscCall(CreateSolver(s));
   PetscCall(MpmImplicitBlocksCreate(s));
@@ -426,7 +426,7 @@ void MpmImplicitSolveTotals(const MpmMarch *march, PetscInt64 *iterations, Petsc
   }
 }
 
-static MpmImplicitSolve *SolveOf(const MpmMarch *march, const MpmNodeOp *op)
+static MpmImplicitSolve *SolveOf(const MpmMarch *march, const MpmOp *op)
 {
   PetscInt i = 0;
 
@@ -434,13 +434,13 @@ static MpmImplicitSolve *SolveOf(const MpmMarch *march, const MpmNodeOp *op)
   return march->implicit[i];
 }
 
-PetscErrorCode MpmImplicitSolveApply(MpmMarch *march, PetscInt64 step, const MpmNodeOp *op)
+PetscErrorCode MpmImplicitSolveApply(MpmMarch *march, PetscInt64 step, const MpmOp *op)
 {
   MpmImplicitSolve *s     = SolveOf(march, op);
   const PetscReal   begin = MPI_Wtime();
   const PetscBool   moved =
       s->step < 0 || (s->step != step && MpmParticlesMove(march->particles)) ? PETSC_TRUE : PETSC_FALSE;
-  const PetscBool    anew = moved || s->a != op->a ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool    anew = moved || s->a != op->factor ? PETSC_TRUE : PETSC_FALSE;
   KSPConvergedReason reason;
   PetscInt           iterations;
 
@@ -451,7 +451,7 @@ PetscErrorCode MpmImplicitSolveApply(MpmMarch *march, PetscInt64 step, const Mpm
     s->seconds += MPI_Wtime() - begin;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  s->a = op->a;
+  s->a = op->factor;
   if (anew) PetscCall(MpmImplicitBlocksFill(s));
   PetscCall(Copy(march, s->k->solved, PETSC_TRUE, s->right));
   PetscCall(Weigh(march, NULL, PETSC_FALSE, s->right));

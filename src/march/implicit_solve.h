@@ -70,7 +70,7 @@ PetscErrorCode MpmImplicitBlocksFill(MpmImplicitSolve *solve);
 
 /*
    MpmImplicitSolveApply - the march's node registers of an operation become the solution, with particles at the places
-                           of a step.
+                           of a step. The operation's factor is all that multiplies it.
 
    Collective. Where it does not converge, march->failure says so.
 
@@ -78,4 +78,4 @@ PetscErrorCode MpmImplicitBlocksFill(MpmImplicitSolve *solve);
    and the seconds that they took. Not collective.
 */
 void MpmImplicitSolveTotals(const MpmMarch *march, PetscInt64 *iterations, PetscInt64 *newton, PetscReal *seconds);
-PetscErrorCode MpmImplicitSolveApply(MpmMarch *march, PetscInt64 step, const MpmNodeOp *op);
+PetscErrorCode MpmImplicitSolveApply(MpmMarch *march, PetscInt64 step, const MpmOp *op);

@@ -6,6 +6,7 @@
 #include "march/adapt.h"
 #include "march/finite.h"
 #include "march/implicit_solve.h"
+#include "march/nodal_solve.h"
 #include <math.h>
 
 #define OF_PARTICLE 12.0 /* bytes: id and owner */
@@ -78,7 +79,7 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch 
   PetscCallMPI(MPI_Comm_size(comm, &size));
   for (PetscInt a = 0; a < layout->dim; a++)
     stride = PetscMax(stride, own ? 2 : (PetscInt)ceil(PetscAbsReal(step->drift[a].value)) + 1);
-  PetscCall(MpmScheduleCompile(table, basis, layout, step->courant, drifts, PETSC_TRUE, &march->schedule));
+  PetscCall(MpmScheduleCompile(table, step->courant, drifts, PETSC_TRUE, &march->schedule));
   need  = reach + march->schedule.halo;
   least = need + (table->nkept ? stride : 0); /* in stages scratch must not be lost where particles migrate */
   PetscCall(MpmPartitionCreate(layout, size, least, drifts, partition));
@@ -86,7 +87,7 @@ static PetscErrorCode ChooseGhosts(MPI_Comm comm, const MpmStep *step, MpmMarch 
   spare        = PetscMin(partition->smallest - need, PetscMax(layout->dim == 1 ? MOST_SLACK : SLACK_OF_BOX, stride));
   march->slack = drifts && spare >= stride ? spare : 0;
   if (drifts && !march->slack)
-    PetscCall(MpmScheduleCompile(table, basis, layout, step->courant, PETSC_TRUE, PETSC_FALSE, &march->schedule));
+    PetscCall(MpmScheduleCompile(table, step->courant, PETSC_TRUE, PETSC_FALSE, &march->schedule));
   *ghost = need + march->slack;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -96,8 +97,8 @@ PetscErrorCode MpmMarchSetCourant(MpmMarch *march, PetscReal courant)
 {
   PetscFunctionBegin;
   march->courant = courant;
-  PetscCall(MpmScheduleCompile(march->scheme->table, march->scheme->basis, march->layout, courant, PETSC_TRUE,
-                               march->slack ? PETSC_TRUE : PETSC_FALSE, &march->schedule));
+  PetscCall(MpmScheduleCompile(march->scheme->table, courant, PETSC_TRUE, march->slack ? PETSC_TRUE : PETSC_FALSE,
+                               &march->schedule));
   if (march->engine->compile) PetscCall(march->engine->compile(march));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -244,8 +245,7 @@ static PetscErrorCode SetUp(MPI_Comm comm, const MpmLayout *layout, const MpmSch
   PetscCall(CreateVectors(m));
   if (m->engine->placed) PetscCall(m->engine->placed(m));
   PetscCall(RegisterEvents(m));
-  if (MpmTableHas(scheme->table, MPM_SOLVE))
-    PetscCall(MpmNodalSolveCreate(layout, scheme->basis, m->grid, &m->nodal_solve));
+  if (MpmTableHas(scheme->table, MPM_SOLVE)) PetscCall(MpmNodalSolveCreate(m, &m->nodal_solve));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -1,5 +1,5 @@
 /* What a march does on nodes alone, row by row of nodes. */
-#include "march/march_private.h"
+#include "march/nodal_solve.h"
 #include <math.h>
 
 PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const sums[], const MpmParity *const parity[],
@@ -41,10 +41,9 @@ PetscErrorCode MpmNodesRefresh(const MpmMarch *march, const MpmParity parity[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void RunRow(const MpmNodeOp *op, PetscInt stride, PetscInt n, const PetscReal *restrict f,
-                   PetscReal *restrict out)
+static void RunRow(const MpmOp *op, PetscInt stride, PetscInt n, const PetscReal *restrict f, PetscReal *restrict out)
 {
-  const PetscReal a = op->a;
+  const PetscReal a = op->factor;
 
   if (op->kind == MPM_LAP && op->accumulates)
     for (PetscInt i = 0; i < n; i++) out[i] += a * ((f[i + stride] - f[i]) - (f[i] - f[i - stride]));
@@ -59,7 +58,7 @@ static void RunRow(const MpmNodeOp *op, PetscInt stride, PetscInt n, const Petsc
 }
 
 /* Sets the nodes on one wall, if they are among this rank's nodes and ghosts. */
-static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *src, PetscReal *dst)
+static void SetWall(const MpmGrid *grid, const MpmOp *op, const PetscReal *src, PetscReal *dst)
 {
   const MpmGridAxis *axis = &grid->axis[op->axis];
   const PetscInt     wall = (op->side ? axis->all - 1 : 0) - axis->first;
@@ -71,7 +70,7 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
   for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
     const PetscInt row = MpmGridRow(grid, &box, r);
 
-    for (PetscInt i = row + box.lo[0]; i < row + box.hi[0]; i++) dst[i] = op->a == 0 ? 0 : op->a * src[i];
+    for (PetscInt i = row + box.lo[0]; i < row + box.hi[0]; i++) dst[i] = op->factor == 0 ? 0 : op->factor * src[i];
   }
 }
 
@@ -79,11 +78,11 @@ static void SetWall(const MpmGrid *grid, const MpmNodeOp *op, const PetscReal *s
    Adds what colliders make of a velocity, op->src and the components next to it, along op->axis. The images beyond
    walls follow from the nodes inside. No particle feels a node without mass.
 */
-static void Collide(const MpmMarch *march, const MpmNodeOp *op, PetscReal time, const PetscReal inverse_mass[],
-                    PetscReal *const field[])
+static void Collide(const MpmMarch *march, const MpmOp *op, PetscInt depth, PetscReal time,
+                    const PetscReal inverse_mass[], PetscReal *const field[])
 {
   const MpmGrid   *grid = march->grid;
-  const MpmGridBox box  = MpmGridBoxOf(grid, grid->ghost - op->depth);
+  const MpmGridBox box  = MpmGridBoxOf(grid, grid->ghost - depth);
   PetscInt         at[MPM_MAX_DIM];
 
   for (at[2] = box.lo[2]; at[2] < box.hi[2]; at[2]++)
@@ -105,28 +104,27 @@ static void Collide(const MpmMarch *march, const MpmNodeOp *op, PetscReal time, 
   MpmGridImages(grid, march->layout->grid, march->scheme->table->parity[op->dst], PETSC_FALSE, field[op->dst]);
 }
 
-PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmNodeOp *op, PetscInt64 step, PetscReal *const field[])
+PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmOp *op, PetscInt depth, PetscInt64 step,
+                           PetscReal *const field[])
 {
-  const MpmMarch  *march  = arrays->march;
-  const MpmGrid   *grid   = march->grid;
-  const MpmGridBox box    = MpmGridBoxOf(grid, grid->ghost - op->depth);
-  const MpmPlaces  places = MpmMarchRest(arrays);
+  const MpmMarch  *march = arrays->march;
+  const MpmGrid   *grid  = march->grid;
+  const MpmGridBox box   = MpmGridBoxOf(grid, grid->ghost - depth);
 
   PetscFunctionBegin;
   if (op->kind == MPM_WALL)
     SetWall(grid, op, field[op->src], field[op->dst]);
   else if (op->kind == MPM_COLLIDE)
-    Collide(march, op, march->scene ? MpmMarchTime(march, step) : 0, arrays->sum[MPM_MASSES], field);
+    Collide(march, op, depth, march->scene ? MpmMarchTime(march, step) : 0, arrays->sum[MPM_MASSES], field);
   else if (op->kind == MPM_SOLVE)
-    PetscCall(MpmNodalSolveApply(march->nodal_solve, march->particles, step, &places,
-                                 march->scheme->table->parity[op->dst], arrays->sum[MPM_MASSES], field[op->src],
-                                 field[op->dst]));
+    PetscCall(MpmNodalSolveApply(march->nodal_solve, arrays, step, march->scheme->table->parity[op->dst],
+                                 field[op->src], field[op->dst], NULL));
   else
     for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
       const PetscInt at = MpmGridRow(grid, &box, r) + box.lo[0];
 
       if (op->dst == op->src)
-        MpmScale(box.hi[0] - box.lo[0], op->a, field[op->dst] + at);
+        MpmScale(box.hi[0] - box.lo[0], op->factor, field[op->dst] + at);
       else
         RunRow(op, grid->axis[op->axis].stride, box.hi[0] - box.lo[0], field[op->src] + at, field[op->dst] + at);
     }

@@ -2,13 +2,13 @@
 #pragma once
 #include "base/float_check.h"
 #include "march/grid.h"
-#include "march/nodal_solve.h"
 #include "march/particles.h"
 #include "march/passes.h"
 #include <mpmstab/march.h>
 
 typedef struct MpmMarchEngine_   MpmMarchEngine;
 typedef struct MpmRowPlan_       MpmRowPlan;       /* a pass compiled for rows of particles (march/rows.h) */
+typedef struct MpmNodalSolve_    MpmNodalSolve;    /* march/nodal_solve.h */
 typedef struct MpmImplicitSolve_ MpmImplicitSolve; /* march/implicit_solve.h */
 typedef struct MpmSolving_       MpmSolving;       /* a nonlinear system (march/finite.h) */
 typedef struct MpmWatch_ MpmWatch; /* what passes find out about particles that move each by itself (march/finite.h) */
@@ -166,35 +166,40 @@ PetscErrorCode MpmMarchRebase(MpmMarch *march);
    id          - of particles that move each by itself
    within      - particles move in the middle of the step
    step        - that of the places; whole[after], part[after]: the drift since rest there, and a step later
+   scratch, all - scratch registers: of all particles one after another or, for MPM_BLOCK each, of those at work
    node, sum   - node fields, and the arrays that are summed to: sum[MPM_MASSES] are the inverse nodal masses, the fast
                  march sets the others
 S*/
 typedef struct {
   const MpmMarch   *march;
   const MpmRowPlan *plan;
-  PetscBool         within;
+  PetscBool         within, all;
   PetscInt         *cell[MPM_MAX_DIM], whole[2][MPM_MAX_DIM];
   PetscInt64       *id, step;
   PetscReal        *xi[MPM_MAX_DIM], part[2][MPM_MAX_DIM];
   PetscReal        *particle[MPM_MAX_FIELDS], *weight[MPM_PROPERTIES];
-  PetscReal        *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS + 1];
+  PetscReal        *node[MPM_MAX_FIELDS], *sum[MPM_MAX_FIELDS + 1], *scratch;
 } MpmMarchArrays;
+
+/* Not collective. A particle register from particle begin on. */
+static inline PetscReal *MpmMarchRegister(const MpmMarchArrays *arrays, PetscInt r, PetscInt begin)
+{
+  const PetscInt scratch = r - MpmTableHeld(arrays->march->scheme->table);
+
+  if (scratch < 0) return arrays->particle[r] + begin;
+  return arrays->all ? arrays->scratch + scratch * arrays->march->particles->count + begin
+                     : arrays->scratch + scratch * MPM_BLOCK;
+}
+
+/*
+   Not collective. Runs an operation on particles alone, or one that moves them, on n particles from begin on (finite.c).
+   Its factor is all that multiplies it. after: they have been advanced.
+*/
+void MpmMarchOnParticles(const MpmMarchArrays *arrays, const MpmOp *op, PetscInt begin, PetscInt n, PetscBool after);
 
 /* Not collective. The arrays with the particles at the places of a step; a march gets them once at a time. */
 PetscErrorCode MpmMarchGetArrays(const MpmMarch *march, PetscInt64 step, MpmMarchArrays *arrays);
 PetscErrorCode MpmMarchRestoreArrays(const MpmMarch *march, MpmMarchArrays *arrays);
-
-/* Not collective. What a nodal solve needs of them. */
-static inline MpmPlaces MpmMarchRest(const MpmMarchArrays *arrays)
-{
-  MpmPlaces places = {.mass = arrays->weight[MPM_MASS]};
-
-  for (PetscInt a = 0; a < arrays->march->layout->dim; a++) {
-    places.cell[a] = arrays->cell[a];
-    places.xi[a]   = arrays->xi[a];
-  }
-  return places;
-}
 
 /*
    Not collective. Moves n particles from their resting places along an axis on to those of the step, or after it. Along
@@ -219,20 +224,18 @@ PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const s
 PetscErrorCode MpmNodesRefresh(const MpmMarch *march, const MpmParity parity[], PetscReal field[]);
 
 /*
-   Collective. An operation between node fields, at this rank's nodes and as many ghosts as op->depth leaves. step is
-   that of the particles' places.
+   Collective. An operation between node fields, of which the factor is all that multiplies it, at this rank's nodes and
+   all but depth of the ghosts. step is that of the particles' places.
 */
-PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmNodeOp *op, PetscInt64 step,
+PetscErrorCode MpmNodesRun(const MpmMarchArrays *arrays, const MpmOp *op, PetscInt depth, PetscInt64 step,
                            PetscReal *const field[]);
 
 /* Not collective. Divides the state by 2^shift and adds shift to the exponent. */
 PetscErrorCode MpmMarchRescale(MpmMarch *march, PetscInt shift);
 
-/* Collective. P2G of one particle field at the present places, into a local vector with its ghosts. */
-PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node);
-
 /*
-   Collective. P2G of one particle field at the places after the next DRIFT, while the particles stay. Sets
-   inverse_mass, a local vector, for these places. Under drift, the ghost layer must have slack.
+   Collective. P2G of one particle field with the particles at the places of a step, the present one or, while they stay,
+   the next: into a local vector with its ghosts. inverse_mass: NULL, or a local vector that is set for these places.
+   Under drift, the ghost layer must have slack for the next step.
 */
-PetscErrorCode MpmMarchProjectNext(MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node);
+PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, PetscInt64 step, Vec inverse_mass, Vec node);

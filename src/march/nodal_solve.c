@@ -14,9 +14,11 @@ static PetscInt Neighbours(const MpmLayout *layout, PetscInt along)
   return n;
 }
 
-PetscErrorCode MpmNodalSolveCreate(const MpmLayout *layout, const MpmBasis *basis, const MpmGrid *grid,
-                                   MpmNodalSolve **solve)
+PetscErrorCode MpmNodalSolveCreate(const MpmMarch *march, MpmNodalSolve **solve)
 {
+  const MpmLayout       *layout = march->layout;
+  const MpmBasis        *basis  = march->scheme->basis;
+  const MpmGrid         *grid   = march->grid;
   const PetscInt         reach = MpmMapReach(basis), own = MpmGridNodes(grid), all = MpmLayoutNodes(layout);
   const PetscInt         width = PetscMin(Neighbours(layout, 2 * reach - 1), all);
   const MPI_Comm         comm  = PetscObjectComm((PetscObject)grid->da);
@@ -123,22 +125,19 @@ static PetscErrorCode AddParticle(MpmNodalSolve *s, const PetscInt cell[], const
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
-                               const MpmPlaces *places)
+static PetscErrorCode Assemble(MpmNodalSolve *s, const MpmMarchArrays *at, PetscInt64 step)
 {
-  PetscInt  whole[MPM_MAX_DIM];
-  PetscReal part[MPM_MAX_DIM];
+  const PetscReal *mass = at->weight[MPM_MASS];
 
   PetscFunctionBegin;
   PetscCall(MatZeroEntries(s->matrix));
-  for (PetscInt a = 0; a < s->layout->dim; a++) PetscCall(MpmParticlesWhere(particles, a, step, &whole[a], &part[a]));
-  for (PetscInt p = 0; p < particles->count; p++) {
+  for (PetscInt p = 0; p < at->march->particles->count; p++) {
     PetscInt  cell[MPM_MAX_DIM];
     PetscReal xi[MPM_MAX_DIM];
 
     for (PetscInt a = 0; a < s->layout->dim; a++)
-      MpmPlaceBlock(1, &places->cell[a][p], &places->xi[a][p], whole[a], part[a], &cell[a], &xi[a]);
-    PetscCall(AddParticle(s, cell, xi, places->mass ? places->mass[p] : 1));
+      MpmMarchPlaces(at, a, 1, &at->cell[a][p], &at->xi[a][p], (PetscInt)(step - at->step), &cell[a], &xi[a]);
+    PetscCall(AddParticle(s, cell, xi, mass ? mass[p] : 1));
   }
   PetscCall(MatAssemblyBegin(s->matrix, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(s->matrix, MAT_FINAL_ASSEMBLY));
@@ -185,37 +184,28 @@ static PetscErrorCode CopySolution(const MpmNodalSolve *s, PetscReal y[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
-                                const MpmPlaces *places, const MpmParity parity[], const PetscReal inverse_mass[],
-                                const PetscReal g[], PetscReal y[], KSPConvergedReason *reason)
+PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmMarchArrays *at, PetscInt64 step, const MpmParity parity[],
+                                  const PetscReal g[], PetscReal y[], KSPConvergedReason *reason)
 {
-  PetscBool same;
+  const MpmParticles *particles = at->march->particles;
+  KSPConvergedReason  ended;
+  PetscBool           same;
 
   PetscFunctionBegin;
   PetscCall(PetscArraycmp(parity, s->parity, s->layout->dim, &same));
   if (s->step < 0 || !same || (s->step != step && (particles->own || MpmParticlesMove(particles)))) {
     PetscCall(PetscArraycpy(s->parity, parity, s->layout->dim));
-    PetscCall(Assemble(s, particles, step, places));
+    PetscCall(Assemble(s, at, step));
   }
   s->step = step;
-  PetscCall(SetRight(s, inverse_mass, g));
+  PetscCall(SetRight(s, at->sum[MPM_MASSES], g));
   PetscCall(KSPSolve(s->ksp, s->right, s->solution));
-  PetscCall(KSPGetConvergedReason(s->ksp, reason));
+  PetscCall(KSPGetConvergedReason(s->ksp, &ended));
   PetscCall(CopySolution(s, y));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *s, const MpmParticles *particles, PetscInt64 step,
-                                  const MpmPlaces *places, const MpmParity parity[], const PetscReal inverse_mass[],
-                                  const PetscReal g[], PetscReal y[])
-{
-  KSPConvergedReason reason;
-
-  PetscFunctionBegin;
-  PetscCall(MpmNodalSolveTry(s, particles, step, places, parity, inverse_mass, g, y, &reason));
-  MpmCheckInput(reason > 0,
+  if (reason) *reason = ended;
+  MpmCheckInput(reason || ended > 0,
                 "the nodal system P2G G2P did not converge (%s), as where particles almost coincide; allowed: "
                 "other places, or -nodal_ksp_max_it and -nodal_ksp_rtol",
-                KSPConvergedReasons[reason]);
+                KSPConvergedReasons[ended]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -1,6 +1,6 @@
 /* The operation SOLVE on the grid of the march. */
 #pragma once
-#include "march/particles.h"
+#include "march/march_private.h"
 #include <petscksp.h>
 
 /*S
@@ -13,7 +13,7 @@
    its null space is the checkerboard. g = P q is in its range, and iterations from 0 stay there. The matrix is
    assembled anew when particles have moved since the last solve.
 S*/
-typedef struct {
+struct MpmNodalSolve_ {
   const MpmLayout *layout;
   const MpmBasis  *basis;
   const MpmGrid   *grid;
@@ -24,31 +24,26 @@ typedef struct {
   MpmParity        parity[MPM_MAX_DIM];
   PetscInt         seen, *node; /* the nodes of a particle, their number, and room for its part of the matrix */
   PetscReal       *weight, *square;
-} MpmNodalSolve;
+};
 
-/* Collective. layout, basis and grid must outlive the solve. */
-PetscErrorCode MpmNodalSolveCreate(const MpmLayout *layout, const MpmBasis *basis, const MpmGrid *grid,
-                                   MpmNodalSolve **solve);
+/* Collective. march must outlive the solve, and have its grid. */
+PetscErrorCode MpmNodalSolveCreate(const MpmMarch *march, MpmNodalSolve **solve);
 PetscErrorCode MpmNodalSolveDestroy(MpmNodalSolve **solve);
 
 /*
-   MpmNodalSolveApply - solves with the particles at the places of a step, which follow from their resting places.
+   MpmNodalSolveApply - solves with the particles at the places of a step, that of the arrays or the next one.
 
-   Collective. Refuses when it does not converge.
+   Collective. reason: NULL, or why it ended, above 0 when it converged.
 
    Input Parameters:
-+  places        - the resting places of this rank's particles
-.  parity        - that of y, by direction: y is 0 at the walls that impose it (MpmEndImposes)
-.  inverse_mass  - a local array, 0 where there is no mass
--  g             - a local array
++  arrays - of the march, with its nodal masses
+.  parity - that of y, by direction: y is 0 at the walls that impose it (MpmEndImposes)
+-  g      - a local array
 
    Output Parameter: y - a local array; its ghosts are set too
 
-   MpmNodalSolveTry does the same and leaves convergence to the caller: reason is above 0 when it converged.
+   Errors: where reason is NULL, refuses (PETSC_ERR_USER_INPUT) a system that does not converge.
 */
-PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmParticles *particles, PetscInt64 step,
-                                  const MpmPlaces *places, const MpmParity parity[], const PetscReal inverse_mass[],
-                                  const PetscReal g[], PetscReal y[]);
-PetscErrorCode MpmNodalSolveTry(MpmNodalSolve *solve, const MpmParticles *particles, PetscInt64 step,
-                                const MpmPlaces *places, const MpmParity parity[], const PetscReal inverse_mass[],
-                                const PetscReal g[], PetscReal y[], KSPConvergedReason *reason);
+PetscErrorCode MpmNodalSolveApply(MpmNodalSolve *solve, const MpmMarchArrays *arrays, PetscInt64 step,
+                                  const MpmParity parity[], const PetscReal g[], PetscReal y[],
+                                  KSPConvergedReason *reason);

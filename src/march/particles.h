@@ -33,12 +33,6 @@ typedef struct {
   PetscBool        parallel, own;
 } MpmParticles;
 
-/* The resting places of this rank's particles, and their masses where these differ (else NULL): arrays of the swarm. */
-typedef struct {
-  const PetscInt  *cell[MPM_MAX_DIM];
-  const PetscReal *xi[MPM_MAX_DIM], *mass;
-} MpmPlaces;
-
 /* The names of the fields with the resting places, by direction. */
 extern const char *const MpmFieldCell[], *const MpmFieldXi[];
 

@@ -20,13 +20,6 @@ typedef struct {
   MpmOp    term[MOST_TERMS];
 } Delayed;
 
-static PetscBool IsSum(const MpmOp *op)
-{
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-
-  return traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
-}
-
 static PetscBool IsOfNodes(const MpmOp *op)
 {
   const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
@@ -80,7 +73,7 @@ static void SumFirst(OpList *l)
     const MpmOp op = l->op[o];
     PetscInt    at = o;
 
-    if (!IsSum(&op)) continue;
+    if (!MpmOpIsSum(&op)) continue;
     for (; at > 0 && IsOfNodes(&l->op[at - 1]) && l->op[at - 1].dst != op.dst && l->op[at - 1].src != op.dst; at--)
       l->op[at] = l->op[at - 1];
     l->op[at] = op;
@@ -196,15 +189,13 @@ static PetscErrorCode Delay(const MpmTable *t, OpList *l)
 /* ---- passes ---- */
 
 typedef struct {
-  const MpmTable  *table;
-  const OpList    *ops;
-  const MpmBasis  *basis;
-  const MpmLayout *layout;
-  PetscReal        courant;
-  PetscBool        fused, mass_due;
-  PetscInt         depth[MPM_MAX_FIELDS]; /* ghosts at each end of a node field that are not valid */
-  PetscInt     holds[MPM_MAX_FIELDS]; /* the particle field of which a node field is P2G as it is now, or MPM_NONE */
-  MpmSchedule *schedule;
+  const MpmTable *table;
+  const OpList   *ops;
+  PetscReal       courant;
+  PetscBool       fused, mass_due;
+  PetscInt        depth[MPM_MAX_FIELDS]; /* ghosts at each end of a node field that are not valid */
+  PetscInt        holds[MPM_MAX_FIELDS]; /* the particle field of which a node field is P2G as it is now, or MPM_NONE */
+  MpmSchedule    *schedule;
 } Compiler;
 
 static PetscBool Sums(const MpmPass *pass, PetscInt node)
@@ -217,40 +208,22 @@ static PetscBool Sums(const MpmPass *pass, PetscInt node)
 static PetscBool Reads(const MpmPass *pass, PetscInt node)
 {
   for (PetscInt o = 0; o < pass->nops; o++)
-    if (pass->op[o].kind == MPM_PASS_MAP && !pass->op[o].to_nodes && pass->op[o].node == node) return PETSC_TRUE;
+    if (MpmOpIsGather(&pass->op[o]) && pass->op[o].src == node) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
-static PetscErrorCode Append(MpmPass *pass, MpmPassOp op)
+/* Notes that an operation, which is appended next, sums to a node field. */
+static PetscErrorCode NoteSum(Compiler *c, MpmPass *pass, const MpmOp *op)
 {
   PetscFunctionBegin;
-  PetscCheck(pass->nops < MPM_MAX_PASS_OPS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASS_OPS");
-  pass->op[pass->nops++] = op;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscErrorCode AppendMap(Compiler *c, MpmPass *pass, const MpmOp *op, PetscBool to_nodes)
-{
-  const PetscInt  node = to_nodes ? op->dst : op->src, particle = to_nodes ? op->src : op->dst;
-  const PetscBool with_mass = to_nodes && c->mass_due ? PETSC_TRUE : PETSC_FALSE;
-
-  PetscFunctionBegin;
-  PetscCheck(!with_mass || op->kind == MPM_P2G, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no P2G before another sum");
-  PetscCall(Append(pass, (MpmPassOp){.kind     = with_mass ? MPM_PASS_MASS : MPM_PASS_MAP,
-                                     .map      = op->kind,
-                                     .axis     = op->axis,
-                                     .a        = MpmOpValue(op, c->courant),
-                                     .particle = particle,
-                                     .node     = node,
-                                     .to_nodes = to_nodes,
-                                     .weight   = MpmLayoutWeight(c->layout, op->kind, op->side)}));
-  if (with_mass) {
-    pass->sums_mass = PETSC_TRUE;
-    c->mass_due     = PETSC_FALSE;
+  if (c->mass_due) {
+    PetscCheck(op->kind == MPM_P2G, PETSC_COMM_SELF, PETSC_ERR_PLIB, "no P2G before another sum");
+    pass->mass  = pass->nops;
+    c->mass_due = PETSC_FALSE;
   }
-  if (to_nodes && !Sums(pass, node)) {
-    pass->sum[pass->nsums++] = node;
-    c->depth[node]           = 0;
+  if (!Sums(pass, op->dst)) {
+    pass->sum[pass->nsums++] = op->dst;
+    c->depth[op->dst]        = 0;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -266,14 +239,8 @@ static PetscErrorCode AppendNodeOp(Compiler *c, MpmPass *pass, const MpmOp *op)
   PetscCheck(pass->nnode_ops < MPM_MAX_PASS_OPS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASS_OPS");
   c->depth[op->dst]                = keeps ? PetscMax(reads, c->depth[op->dst]) : reads;
   c->schedule->halo                = PetscMax(c->schedule->halo, c->depth[op->dst]);
-  pass->node_op[pass->nnode_ops++] = (MpmNodeOp){.kind        = op->kind,
-                                                 .a           = MpmOpValue(op, c->courant),
-                                                 .axis        = op->axis,
-                                                 .dst         = op->dst,
-                                                 .src         = op->src,
-                                                 .side        = op->side,
-                                                 .accumulates = op->accumulates,
-                                                 .depth       = c->depth[op->dst]};
+  pass->depth[pass->nnode_ops]     = c->depth[op->dst];
+  pass->node_op[pass->nnode_ops++] = *op;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -331,39 +298,33 @@ static void NoteHeld(Compiler *c, const MpmOp *op)
   if (IsPlain(op)) c->holds[op->dst] = op->src;
 }
 
-/* The operation of a pass for one on particles alone. */
-static MpmPassOpKind KindOf(const MpmOp *op)
+/* An ADD of a field to itself is a SCALE. */
+static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *of)
 {
-  if (op->kind == MPM_DRIFT) return MPM_PASS_DRIFT;
-  if (op->kind != MPM_ADD && op->kind != MPM_SCALE) return MPM_PASS_FINITE;
-  return op->kind == MPM_ADD && op->dst != op->src ? MPM_PASS_ADD : MPM_PASS_SCALE;
-}
-
-static PetscErrorCode CompileOp(Compiler *c, MpmPass *pass, const MpmOp *op)
-{
-  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-  const PetscBool   itself = op->dst == op->src ? PETSC_TRUE : PETSC_FALSE;
+  const MpmOpTraits traits = MpmOpTraitsOf(of->kind);
+  MpmOp             op     = *of;
 
   PetscFunctionBegin;
+  op.factor      = MpmOpValue(of, c->courant);
+  op.coefficient = 0;
+  if (op.kind == MPM_ADD && op.dst == op.src) {
+    op.kind = MPM_SCALE;
+    op.factor += 1;
+  }
+  NoteHeld(c, of);
+  if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES) {
+    PetscCall(AppendNodeOp(c, pass, &op));
+    PetscFunctionReturn(PETSC_SUCCESS);
+  }
   if (traits.dst == MPM_NOWHERE) {
-    PetscCall(Append(pass, (MpmPassOp){.kind = KindOf(op), .map = op->kind, .particle = PetscMax(op->src, 0)}));
     pass->drifts = PETSC_TRUE;
-    pass->within = op->kind == MPM_ADVANCE && op->factor < 1 ? PETSC_TRUE : PETSC_FALSE;
+    pass->within = op.kind == MPM_ADVANCE && op.factor < 1 ? PETSC_TRUE : PETSC_FALSE;
     pass->rebase = c->fused ? PETSC_FALSE : PETSC_TRUE;
     c->mass_due  = PETSC_TRUE;
-  } else if (traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_PARTICLES)
-    PetscCall(Append(pass, (MpmPassOp){.kind     = KindOf(op),
-                                       .map      = op->kind,
-                                       .particle = op->dst,
-                                       .other    = op->src,
-                                       .a = MpmOpValue(op, c->courant) + (op->kind == MPM_ADD && itself ? 1 : 0)}));
-  else if (traits.src == MPM_ON_PARTICLES)
-    PetscCall(AppendMap(c, pass, op, PETSC_TRUE));
-  else if (traits.dst == MPM_ON_PARTICLES)
-    PetscCall(AppendMap(c, pass, op, PETSC_FALSE));
-  else
-    PetscCall(AppendNodeOp(c, pass, op));
-  NoteHeld(c, op);
+  }
+  if (traits.dst == MPM_ON_NODES) PetscCall(NoteSum(c, pass, &op));
+  PetscCheck(pass->nops < MPM_MAX_PASS_OPS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MAX_PASS_OPS");
+  pass->op[pass->nops++] = op;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -394,6 +355,7 @@ static PetscErrorCode NewPass(MpmSchedule *schedule, MpmPass **pass)
   }
   *pass = &schedule->pass[schedule->npasses++];
   PetscCall(PetscMemzero(*pass, sizeof **pass));
+  (*pass)->mass = MPM_NONE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -421,6 +383,7 @@ static PetscErrorCode CompileOps(Compiler *c, PetscBool drifts)
   MpmPass        *pass;
 
   PetscFunctionBegin;
+  c->schedule->start.mass = MPM_NONE;
   for (PetscInt o = 0; o < head; o++) PetscCall(CompileOp(c, &c->schedule->start, &ops->op[o]));
   PetscCall(NewPass(c->schedule, &pass));
   for (PetscInt o = 0; o < ops->n; o++) {
@@ -478,8 +441,8 @@ static PetscBool MayReorder(const MpmTable *t)
 }
 
 /* Compiles the operations with and without delayed gathers, and keeps what is cheaper. */
-PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, const MpmLayout *layout, PetscReal courant,
-                                  PetscBool drifts, PetscBool fused, MpmSchedule *schedule)
+PetscErrorCode MpmScheduleCompile(const MpmTable *t, PetscReal courant, PetscBool drifts, PetscBool fused,
+                                  MpmSchedule *schedule)
 {
   const PetscBool reorders = MayReorder(t);
   OpList          list     = {.n = 0};
@@ -492,8 +455,6 @@ PetscErrorCode MpmScheduleCompile(const MpmTable *t, const MpmBasis *basis, cons
   for (PetscInt delayed = 0; delayed < (reorders ? 2 : 1); delayed++) {
     Compiler c = {.table    = t,
                   .ops      = &list,
-                  .basis    = basis,
-                  .layout   = layout,
                   .courant  = courant,
                   .fused    = fused,
                   .mass_due = MpmTableHas(t, MPM_P2G) && !t->image, /* a table of IMPLICIT finds the masses */

@@ -12,63 +12,27 @@
 
 #define MPM_MAX_PASS_OPS 128 /* the largest number of operations on particles in one pass, and on nodes after it */
 
-/*E
-   MpmPassOpKind - an operation of a pass on a block of particles.
-
-   MPM_PASS_MAP    - a map between particles and nodes
-   MPM_PASS_MASS   - the first P2G after particles have moved, with the nodal masses
-   MPM_PASS_SCALE  - multiplies a particle field by a number
-   MPM_PASS_ADD    - adds a times the particle field other to a particle field
-   MPM_PASS_FINITE - an operation of finite deformation (march/finite.h), from the particle fields from other on to
-                     those from particle on; after ADVANCE particles are at the places of the next step
-   MPM_PASS_DRIFT  - from here on particles are at the places of the next step
-E*/
-typedef enum {
-  MPM_PASS_MAP,
-  MPM_PASS_MASS,
-  MPM_PASS_SCALE,
-  MPM_PASS_ADD,
-  MPM_PASS_FINITE,
-  MPM_PASS_DRIFT
-} MpmPassOpKind;
-
 /*
-   map, axis: the kind of the operation, and the direction that it acts along. to_nodes: the map writes the node field.
-   weight: the property that multiplies it, where it varies.
+   MpmPass - operations of a table on particles, and those on nodes that follow them. Their factors are all that
+   multiplies them: the powers of the Courant number are in them. The nsums node fields sum[] are complete when the
+   particles are done. The masses of the nodes are summed with operation mass, the first P2G after particles have moved,
+   or MPM_NONE. A node operation is done on ghosts too, as far as its operands are valid: on depth[] ghosts fewer than
+   the grid has. With rebase the particles migrate after the pass. within: they move in the middle of a step.
 */
 typedef struct {
-  MpmPassOpKind kind;
-  MpmOpKind     map;
-  PetscInt      axis;
-  PetscReal     a;
-  PetscInt      particle, other, node;
-  PetscBool     to_nodes;
-  MpmProperty   weight;
-} MpmPassOp;
-
-/*
-   A node operation. It is done on ghosts too, as far as its operands are valid: on depth ghosts fewer than the grid
-   has. axis is the direction that LAP and WALL act along, and side the end at which a WALL acts.
-*/
-typedef struct {
-  MpmOpKind kind;
-  PetscReal a;
-  PetscInt  dst, src, depth, side;
-  PetscBool accumulates;
-  PetscInt  axis;
-} MpmNodeOp;
-
-/*
-   MpmPass - operations on particles, and those on nodes that follow them. The nsums node fields sum[] are complete when
-   the particles are done. With rebase the particles migrate after the pass. within: they move in the middle of a step.
-*/
-typedef struct {
-  PetscInt  nops, nsums, nnode_ops;
-  MpmPassOp op[MPM_MAX_PASS_OPS];
-  PetscInt  sum[MPM_MAX_FIELDS];
-  MpmNodeOp node_op[MPM_MAX_PASS_OPS];
-  PetscBool sums_mass, drifts, within, rebase;
+  PetscInt  nops, nsums, nnode_ops, mass;
+  MpmOp     op[MPM_MAX_PASS_OPS], node_op[MPM_MAX_PASS_OPS];
+  PetscInt  sum[MPM_MAX_FIELDS], depth[MPM_MAX_PASS_OPS];
+  PetscBool drifts, within, rebase;
 } MpmPass;
+
+/* Not collective. Whether an operation is a sum over particles. MpmOpIsGather: it is one over nodes. */
+static inline PetscBool MpmOpIsSum(const MpmOp *op)
+{
+  const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+
+  return traits.src == MPM_ON_PARTICLES && traits.dst == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
+}
 
 /*S
    MpmSchedule - the passes of a step, and the one before the first step (start).
@@ -97,12 +61,11 @@ PetscInt MpmHeadLength(const MpmTable *table, PetscInt nops, const MpmOp ops[]);
    Not collective. A new schedule must be all zeros.
 
    Input Parameters:
-+  layout - says in which properties particles differ, and so which operations are weighted
-.  drifts - particles move; if not, DRIFT is left out and the masses are summed once
++  drifts - particles move; if not, DRIFT is left out and the masses are summed once
 -  fused  - particles may be summed to the grid before they migrate, because they stay within the ghost layer
 */
-PetscErrorCode MpmScheduleCompile(const MpmTable *table, const MpmBasis *basis, const MpmLayout *layout,
-                                  PetscReal courant, PetscBool drifts, PetscBool fused, MpmSchedule *schedule);
+PetscErrorCode MpmScheduleCompile(const MpmTable *table, PetscReal courant, PetscBool drifts, PetscBool fused,
+                                  MpmSchedule *schedule);
 PetscErrorCode MpmScheduleDestroy(MpmSchedule *schedule);
 
 /*
@@ -125,5 +88,5 @@ PetscReal MpmScheduleBound(const MpmTable *table, const MpmBasis *basis, PetscRe
    Not collective. NaN for a table with SOLVE, whose number of iterations is not known. Ghosts are left
    out. alike says that all cells are alike, so that no particle's place is read.
 */
-PetscReal MpmScheduleBytes(const MpmTable *table, const MpmSchedule *schedule, PetscReal particles_per_node,
-                           PetscBool alike);
+PetscReal MpmScheduleBytes(const MpmTable *table, const MpmLayout *layout, const MpmSchedule *schedule,
+                           PetscReal particles_per_node, PetscBool alike);

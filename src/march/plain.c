@@ -5,18 +5,15 @@
    A step begins with the operations that read what nodes hold, and ends with those that send particles to nodes for the
    next step (MpmHeadLength). So the nodes hold the same after a step as in the fast march.
 */
-#include "march/finite.h"
 #include "march/implicit_solve.h"
 #include "march/passes.h"
 
-/*
-   The arrays of particles and nodes while a march is at work, and scratch registers of all particles one after another.
-*/
+/* The arrays of particles and nodes while a march is at work. sum: what is summed. */
 typedef struct {
   MpmMarch      *march;
   MpmMarchArrays at;
   PetscInt64     step; /* of the places */
-  PetscReal     *scratch, *sum;
+  PetscReal     *sum;
   PetscBool      went; /* particles have moved in the middle of a step, and not migrated since */
   const MpmParity (*parity)[MPM_MAX_DIM];
 } Plain;
@@ -33,9 +30,9 @@ static PetscErrorCode Begin(Plain *m)
   const PetscInt  scratch = (table->nparticles - MpmTableHeld(table)) * m->march->particles->count;
 
   PetscFunctionBegin;
-  m->at = (MpmMarchArrays){.march = m->march};
+  m->at = (MpmMarchArrays){.march = m->march, .all = PETSC_TRUE};
   PetscCall(MpmMarchGetArrays(m->march, m->step, &m->at));
-  PetscCall(PetscMalloc2(scratch, &m->scratch, MpmGridSize(m->march->grid), &m->sum));
+  PetscCall(PetscMalloc2(scratch, &m->at.scratch, MpmGridSize(m->march->grid), &m->sum));
   m->sum += m->march->grid->origin;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -44,16 +41,9 @@ static PetscErrorCode End(Plain *m)
 {
   PetscFunctionBegin;
   m->sum -= m->march->grid->origin;
-  PetscCall(PetscFree2(m->scratch, m->sum));
+  PetscCall(PetscFree2(m->at.scratch, m->sum));
   PetscCall(MpmMarchRestoreArrays(m->march, &m->at));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-static PetscReal *FieldOf(const Plain *m, PetscInt field)
-{
-  const PetscInt held = MpmTableHeld(m->march->scheme->table);
-
-  return field < held ? m->at.particle[field] : m->scratch + (field - held) * m->march->particles->count;
 }
 
 /* ---- particles and nodes ---- */
@@ -125,11 +115,11 @@ static PetscErrorCode Spread(Plain *m, MpmOpKind kind, PetscInt axis, PetscReal 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static void Gather(Plain *m, const MpmOp *op, PetscReal a)
+static void Gather(Plain *m, const MpmOp *op)
 {
   const PetscReal *by    = m->at.weight[MpmLayoutWeight(m->march->layout, op->kind, op->side)];
   const PetscInt   count = m->march->particles->count;
-  PetscReal       *q     = FieldOf(m, op->dst);
+  PetscReal       *q     = MpmMarchRegister(&m->at, op->dst, 0);
   Placed           placed;
 
   for (PetscInt begin = 0; begin < count; begin += MPM_BLOCK) {
@@ -137,7 +127,7 @@ static void Gather(Plain *m, const MpmOp *op, PetscReal a)
 
     Place(m, op->kind, op->axis, begin, n, &placed);
     for (PetscInt p = 0; p < n; p++)
-      q[begin + p] += a * (by ? by[begin + p] : 1) * Visit(m->march, &placed, p, 0, NULL, m->at.node[op->src]);
+      q[begin + p] += op->factor * (by ? by[begin + p] : 1) * Visit(m->march, &placed, p, 0, NULL, m->at.node[op->src]);
   }
 }
 
@@ -150,14 +140,14 @@ static PetscErrorCode SumMasses(Plain *m)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode SumToNodes(Plain *m, const MpmOp *op, PetscReal a)
+static PetscErrorCode SumToNodes(Plain *m, const MpmOp *op)
 {
   const MpmParity *parity = m->parity[op->dst];
   PetscReal       *dst    = m->at.node[op->dst] - m->march->grid->origin;
   const PetscReal *sum    = m->sum - m->march->grid->origin;
 
   PetscFunctionBegin;
-  PetscCall(Spread(m, op->kind, op->axis, a, FieldOf(m, op->src), m->sum));
+  PetscCall(Spread(m, op->kind, op->axis, op->factor, MpmMarchRegister(&m->at, op->src, 0), m->sum));
   PetscCall(MpmNodesSum(m->march, 1, &m->sum, &parity, PETSC_FALSE, m->at.sum[MPM_MASSES]));
   for (PetscInt i = 0; i < MpmGridSize(m->march->grid); i++) dst[i] = sum[i] + (op->accumulates ? dst[i] : 0);
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -165,55 +155,25 @@ static PetscErrorCode SumToNodes(Plain *m, const MpmOp *op, PetscReal a)
 
 /* ---- particles alone, and nodes alone ---- */
 
-static void RunFinite(Plain *m, const MpmOp *op, PetscReal a)
-{
-  const MpmTable      *table = m->march->scheme->table;
-  const PetscInt       count = m->march->particles->count;
-  const PetscBool      moves = op->kind == MPM_ADVANCE ? PETSC_TRUE : PETSC_FALSE;
-  const MpmFiniteWidth width = MpmFiniteWidthOf(op->kind, table->dim, MpmTableStretches(table));
-
-  for (PetscInt begin = 0; begin < count; begin += MPM_BLOCK) {
-    MpmFiniteBlock block = {.begin = begin, .n = PetscMin(MPM_BLOCK, count - begin), .step = m->step, .a = a};
-
-    for (PetscInt c = 0; c < width.to; c++) block.to[c] = FieldOf(m, (moves ? op->src : op->dst) + c) + begin;
-    for (PetscInt c = 0; c < width.from; c++) block.from[c] = FieldOf(m, op->src + c) + begin;
-    for (PetscInt c = 0; c < width.stretch; c++) block.stretch[c] = FieldOf(m, table->stretch + c) + begin;
-    MpmFinitePlace(&m->at, &block);
-    MpmFiniteRun(m->march, op->kind, &block);
-  }
-}
-
-static void RunOnParticles(Plain *m, const MpmOp *op, PetscReal a)
+static void RunOnParticles(Plain *m, const MpmOp *op)
 {
   const PetscInt count = m->march->particles->count;
 
-  if (op->kind == MPM_SCALE || (op->kind == MPM_ADD && op->dst == op->src))
-    MpmScale(count, op->kind == MPM_ADD ? 1 + a : a, FieldOf(m, op->dst));
-  else if (op->kind == MPM_ADD)
-    MpmNodeAdd(0, count, a, FieldOf(m, op->src), FieldOf(m, op->dst));
-  else
-    RunFinite(m, op, a);
+  for (PetscInt begin = 0; begin < count; begin += MPM_BLOCK)
+    MpmMarchOnParticles(&m->at, op, begin, PetscMin(MPM_BLOCK, count - begin), PETSC_FALSE);
 }
 
-static PetscErrorCode RunOnNodes(Plain *m, const MpmOp *op, PetscReal a)
+static PetscErrorCode RunOnNodes(Plain *m, const MpmOp *op)
 {
-  const PetscInt  halo    = MpmOpTraitsOf(op->kind).halo; /* ghosts are the owners' then */
-  const MpmNodeOp node_op = {.kind        = op->kind,
-                             .a           = a,
-                             .dst         = op->dst,
-                             .src         = op->src,
-                             .depth       = halo ? m->march->grid->ghost : 0,
-                             .side        = op->side,
-                             .accumulates = op->accumulates,
-                             .axis        = op->axis};
+  const PetscInt halo = MpmOpTraitsOf(op->kind).halo; /* ghosts are the owners' then */
 
   PetscFunctionBegin;
   if (op->kind != MPM_IMPLICIT) {
-    PetscCall(MpmNodesRun(&m->at, &node_op, m->step, m->at.node));
+    PetscCall(MpmNodesRun(&m->at, op, halo ? m->march->grid->ghost : 0, m->step, m->at.node));
     if (halo) PetscCall(MpmNodesRefresh(m->march, m->parity[op->dst], m->at.node[op->dst]));
   } else if (op->axis == 0) {
     PetscCall(End(m)); /* a solve takes particles through operations of its own */
-    PetscCall(MpmImplicitSolveApply(m->march, m->step, &node_op));
+    PetscCall(MpmImplicitSolveApply(m->march, m->step, op));
     PetscCall(Begin(m));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -241,7 +201,7 @@ static PetscErrorCode Move(Plain *m, const MpmOp *op)
 {
   PetscFunctionBegin;
   if (op->kind == MPM_ADVANCE)
-    RunFinite(m, op, 1);
+    RunOnParticles(m, op);
   else if (!MpmMarchDrifts(m->march))
     PetscFunctionReturn(PETSC_SUCCESS);
   m->went = op->factor < 1 ? PETSC_TRUE : PETSC_FALSE;
@@ -257,22 +217,22 @@ static PetscErrorCode RunOps(Plain *m, const MpmTable *table, PetscInt first, Pe
 {
   PetscFunctionBegin;
   for (PetscInt o = first; o < end && !m->march->failure[0]; o++) {
-    const MpmOp      *op     = &table->ops[o];
-    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
-    const PetscReal   a      = MpmOpValue(op, m->march->courant);
+    MpmOp             op     = table->ops[o];
+    const MpmOpTraits traits = MpmOpTraitsOf(op.kind);
 
-    if (m->went && op->kind == MPM_SCALE && op->dst >= MpmTableHeld(table)) PetscCall(Moved(m)); /* scratch begins */
+    op.factor = MpmOpValue(&table->ops[o], m->march->courant);
+    if (m->went && op.kind == MPM_SCALE && op.dst >= MpmTableHeld(table)) PetscCall(Moved(m)); /* scratch begins */
     if (m->march->failure[0]) break;
     if (traits.dst == MPM_NOWHERE)
-      PetscCall(Move(m, op));
+      PetscCall(Move(m, &op));
     else if (traits.dst == traits.src && traits.dst == MPM_ON_NODES)
-      PetscCall(RunOnNodes(m, op, a));
+      PetscCall(RunOnNodes(m, &op));
     else if (traits.dst == traits.src)
-      RunOnParticles(m, op, a);
+      RunOnParticles(m, &op);
     else if (traits.dst == MPM_ON_NODES)
-      PetscCall(SumToNodes(m, op, a));
+      PetscCall(SumToNodes(m, &op));
     else
-      Gather(m, op, a);
+      Gather(m, &op);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -315,11 +275,7 @@ static PetscErrorCode Stiffness(MpmMarch *march, PetscInt64 step, PetscInt i)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/*
-   P2G of one particle field with the particles at the places of a step. inverse_mass: NULL, or it is set for these
-   places.
-*/
-static PetscErrorCode Project(MpmMarch *march, PetscInt field, PetscInt64 step, Vec inverse_mass, Vec node)
+PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, PetscInt64 step, Vec inverse_mass, Vec node)
 {
   const MpmParity *parity = MpmTableParity(march->scheme->table, field);
   Plain            m      = {.march = march, .step = step};
@@ -338,20 +294,6 @@ static PetscErrorCode Project(MpmMarch *march, PetscInt field, PetscInt64 step, 
   if (inverse_mass) PetscCall(MpmGridRestoreArray(march->grid, inverse_mass, &mass));
   PetscCall(MpmGridRestoreArray(march->grid, node, &sum));
   PetscCall(End(&m));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmMarchProject(MpmMarch *march, PetscInt field, Vec node)
-{
-  PetscFunctionBegin;
-  PetscCall(Project(march, field, march->particles->step, NULL, node));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmMarchProjectNext(MpmMarch *march, PetscInt field, Vec inverse_mass, Vec node)
-{
-  PetscFunctionBegin;
-  PetscCall(Project(march, field, march->particles->step + 1, inverse_mass, node));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

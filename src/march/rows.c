@@ -94,18 +94,19 @@ PetscErrorCode MpmRowsFind(MpmMarch *march)
    along x.
 */
 typedef struct {
-  PetscInt         node;
-  MpmOpKind        z, y, along;
-  PetscReal        a;
-  const MpmPassOp *op;
+  PetscInt     node;
+  MpmOpKind    z, y, along;
+  PetscReal    a;
+  const MpmOp *op;
 } Entry;
 
 typedef struct {
-  const MpmBasis *basis;
-  MpmRowPlan     *plan;
-  PetscInt        n;
-  PetscBool       to_nodes;
-  Entry           entry[2 * MPM_MAX_PASS_OPS];
+  const MpmBasis  *basis;
+  const MpmLayout *layout;
+  MpmRowPlan      *plan;
+  PetscInt         n;
+  PetscBool        spreads;
+  Entry            entry[2 * MPM_MAX_PASS_OPS];
 } Group;
 
 static PetscBool SameLine(const Entry *a, const Entry *b)
@@ -130,11 +131,6 @@ static void Insert(Group *g, Entry entry)
   g->entry[i] = entry;
 }
 
-static void AddStep(MpmRowPlan *plan, MpmRowStep step)
-{
-  plan->step[plan->nsteps++] = step;
-}
-
 /* The number of a kind of weights in a plan. */
 static PetscInt KindOf(MpmRowPlan *plan, MpmOpKind kind)
 {
@@ -144,14 +140,20 @@ static PetscInt KindOf(MpmRowPlan *plan, MpmOpKind kind)
   return plan->nkinds++;
 }
 
-static MpmRowMap MapOf(MpmRowPlan *plan, const Entry *entry)
+/* The particle register of a map. */
+static PetscInt ParticleOf(const MpmOp *op)
+{
+  return MpmOpIsSum(op) ? op->src : op->dst;
+}
+
+static MpmRowMap MapOf(const Group *g, const Entry *entry)
 {
   const PetscBool masses = entry->node == MPM_MASSES ? PETSC_TRUE : PETSC_FALSE;
 
-  return (MpmRowMap){.weights  = KindOf(plan, entry->along),
+  return (MpmRowMap){.weights  = KindOf(g->plan, entry->along),
                      .a        = masses ? 1 : entry->a,
-                     .particle = masses ? MPM_NONE : entry->op->particle,
-                     .weight   = entry->op->weight};
+                     .particle = masses ? MPM_NONE : ParticleOf(entry->op),
+                     .weight   = MpmLayoutWeight(g->layout, entry->op->kind, entry->op->side)};
 }
 
 /* The number of the weights that a line has across it. */
@@ -177,34 +179,32 @@ static void Close(Group *g)
 
     if (i == 0 || !SameLine(e, &g->entry[i - 1]))
       plan->line[plan->nlines++] = (MpmRowLine){.node = e->node, .across = AcrossOf(plan, e), .begin = plan->nmaps};
-    plan->map[plan->nmaps++]         = MapOf(plan, e);
+    plan->map[plan->nmaps++]         = MapOf(g, e);
     plan->line[plan->nlines - 1].end = plan->nmaps;
     while (last > plan->line[plan->nlines - 1].begin &&
            plan->map[last - 1].weights == plan->map[plan->nmaps - 1].weights)
       plan->map[--last].shared++;
   }
-  if (g->n)
-    AddStep(plan,
-            (MpmRowStep){.kind = g->to_nodes ? MPM_ROW_SPREAD : MPM_ROW_GATHER, .begin = begin, .end = plan->nlines});
+  if (g->n) plan->step[plan->nsteps++] = (MpmRowStep){.begin = begin, .end = plan->nlines, .spreads = g->spreads};
   g->n = 0;
 }
 
 /* Where the moment is the same at all places, the weights of P2G_AFFINE are those of DIV_MLS times the moment. */
-static void AddMap(Group *g, const MpmPassOp *op)
+static void AddMap(Group *g, const MpmOp *op, PetscBool with_mass)
 {
-  const PetscReal moment = op->map == MPM_P2G_AFFINE ? g->basis->moment : 0;
-  const MpmOpKind map    = moment > 0 ? MPM_DIV_MLS : op->map;
-  Entry           entry  = {.node  = op->node,
+  const PetscReal moment = op->kind == MPM_P2G_AFFINE ? g->basis->moment : 0;
+  const MpmOpKind map    = moment > 0 ? MPM_DIV_MLS : op->kind;
+  Entry           entry  = {.node  = MpmOpIsSum(op) ? op->dst : op->src,
                             .z     = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 2)),
                             .y     = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 1)),
                             .along = MpmLineKind(g->basis, MpmKindAlong(map, op->axis, 0)),
-                            .a     = moment > 0 ? moment * op->a : op->a,
+                            .a     = moment > 0 ? moment * op->factor : op->factor,
                             .op    = op};
 
-  if (g->to_nodes != op->to_nodes) Close(g);
-  g->to_nodes = op->to_nodes;
+  if (g->spreads != MpmOpIsSum(op)) Close(g);
+  g->spreads = MpmOpIsSum(op);
   Insert(g, entry);
-  if (op->kind != MPM_PASS_MASS) return;
+  if (!with_mass) return;
   entry.node = MPM_MASSES;
   Insert(g, entry);
 }
@@ -212,45 +212,40 @@ static void AddMap(Group *g, const MpmPassOp *op)
 /* Whether a group uses one of n particle fields. */
 static PetscBool Uses(const Group *g, PetscInt first, PetscInt n)
 {
-  for (PetscInt i = 0; i < g->n; i++)
-    if (g->entry[i].op->particle >= first && g->entry[i].op->particle < first + n) return PETSC_TRUE;
+  for (PetscInt i = 0; i < g->n; i++) {
+    const PetscInt particle = ParticleOf(g->entry[i].op);
+
+    if (particle >= first && particle < first + n) return PETSC_TRUE;
+  }
   return PETSC_FALSE;
 }
 
-/* Adds an operation of finite deformation. If the group uses none of its fields, it may come before the group. */
-static void AddFinite(Group *g, const MpmPassOp *op, PetscInt dim)
+/* Whether an operation on particles alone may come before the maps of a group: these use none of its fields. */
+static PetscBool MayPrecede(const Group *g, const MpmOp *op)
 {
-  const MpmFiniteWidth width = MpmFiniteWidthOf(op->map, dim, dim * dim);
+  const PetscInt       dim   = g->layout->dim;
+  const MpmFiniteWidth width = MpmFiniteWidthOf(op->kind, dim, dim * dim);
 
-  if (op->map == MPM_ADVANCE || Uses(g, op->particle, width.to) || Uses(g, op->other, width.from)) Close(g);
-  AddStep(g->plan,
-          (MpmRowStep){
-              .kind = MPM_ROW_FINITE, .finite = op->map, .particle = op->particle, .other = op->other, .a = op->a});
+  if (MpmOpTraitsOf(op->kind).dst == MPM_NOWHERE) return PETSC_FALSE;
+  if (op->kind == MPM_SCALE || op->kind == MPM_ADD)
+    return Uses(g, op->dst, 1) || (op->kind == MPM_ADD && Uses(g, op->src, 1)) ? PETSC_FALSE : PETSC_TRUE;
+  return Uses(g, op->dst, width.to) || Uses(g, op->src, width.from) ? PETSC_FALSE : PETSC_TRUE;
 }
 
-void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, PetscInt dim, MpmRowPlan *plan)
+void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, const MpmLayout *layout, MpmRowPlan *plan)
 {
-  Group group = {.basis = basis, .plan = plan};
+  Group group = {.basis = basis, .layout = layout, .plan = plan};
 
   *plan = (MpmRowPlan){.nkinds = 1, .kind = {MPM_P2G}};
-  for (const MpmPassOp *op = pass->op; op < pass->op + pass->nops; op++) {
-    if (op->kind == MPM_PASS_MAP || op->kind == MPM_PASS_MASS)
-      AddMap(&group, op);
-    else if (op->kind == MPM_PASS_DRIFT) {
-      Close(&group);
-      AddStep(plan, (MpmRowStep){.kind = MPM_ROW_DRIFT});
-    } else if (op->kind == MPM_PASS_FINITE)
-      AddFinite(&group, op, dim);
-    else {
-      const PetscBool adds = op->kind == MPM_PASS_ADD ? PETSC_TRUE : PETSC_FALSE;
+  for (PetscInt o = 0; o < pass->nops; o++) {
+    const MpmOp *op = &pass->op[o];
 
-      /* if the group uses neither field, the operation may come before it */
-      if (Uses(&group, op->particle, 1) || (adds && Uses(&group, op->other, 1))) Close(&group);
-      AddStep(plan, (MpmRowStep){.kind     = adds ? MPM_ROW_ADD : MPM_ROW_SCALE,
-                                 .particle = op->particle,
-                                 .other    = op->other,
-                                 .a        = op->a});
+    if (MpmOpIsSum(op) || MpmOpIsGather(op)) {
+      AddMap(&group, op, o == pass->mass ? PETSC_TRUE : PETSC_FALSE);
+      continue;
     }
+    if (!MayPrecede(&group, op)) Close(&group);
+    plan->step[plan->nsteps++] = (MpmRowStep){.op = *op};
   }
   Close(&group);
 }
@@ -281,22 +276,9 @@ typedef struct {
   PetscReal xi[MPM_BLOCK], weight[MPM_MOST_ACROSS][MPM_MOST_ROWS];
 } Placed;
 
-#define ACROSS 8 /* places along a direction across the rows whose weights are kept */
-
-/*
-   The weights of particles at xi along a direction across the rows, by kind, and the first of their nodes from the
-   cell.
-*/
-typedef struct {
-  PetscReal xi, weight[MPM_MOST_KINDS][MPM_MOST_NODES];
-  PetscInt  first;
-} Across;
-
-/* Memory for a row while it is in a pass. across: the nacross places that are kept for each direction. */
+/* Memory for a row while it is in a pass. */
 typedef struct {
   Placed    placed[2];
-  Across    across[MPM_MAX_DIM][ACROSS];
-  PetscInt  nacross[MPM_MAX_DIM];
   PetscReal line[MPM_MOST_LINES][LINE], weighed[MPM_BLOCK], ones[MPM_BLOCK];
 } Work;
 
@@ -333,60 +315,42 @@ static void PlaceAlong(const MpmMarchArrays *a, const MpmRow *row, PetscInt afte
   placed->hi += march->scheme->basis->nodes;
 }
 
-/*
-   The weights across the rows of a particle at xi in a cell. Rows have few different places in their cells, so they are
-   mostly known already; next to walls only where they are the same there.
-*/
-static const Across *FindAcross(const MpmMarchArrays *a, PetscInt axis, PetscInt cell, PetscReal xi, Work *w)
+/* Finds the rows of nodes that a row of particles has weights at, and these weights. */
+static void PlaceAcross(const MpmMarchArrays *a, PetscInt begin, PetscInt after, Placed *placed)
 {
   const MpmBasis *basis = a->march->scheme->basis;
-  const PetscInt  zero  = 0;
-  PetscInt        n     = MpmBasisIsAltered(basis) ? 0 : PetscMin(w->nacross[axis], ACROSS), wall[2];
-  Across         *found;
-  MpmBlock        block;
+  const MpmGrid  *grid  = a->march->grid;
+  const PetscInt  dim = grid->dim, ny = dim > 1 ? basis->nodes : 1, nz = dim > 2 ? basis->nodes : 1;
+  PetscInt        first[MPM_MAX_DIM] = {0};
+  PetscReal       weight[MPM_MAX_DIM][MPM_MOST_KINDS][MPM_MOST_NODES];
 
-  for (PetscInt i = 0; i < n; i++)
-    if (w->across[axis][i].xi == xi) return &w->across[axis][i];
-  found     = &w->across[axis][w->nacross[axis]++ % ACROSS];
-  found->xi = xi;
-  MpmDirectionWalls(&a->march->layout->grid[axis], a->march->grid->axis[axis].first + cell, wall);
-  MpmBlockPlace(basis, 1, &zero, &xi, a->march->layout->half_width[axis], wall, &block);
-  for (PetscInt k = 0; k < a->plan->nkinds; k++) basis->weights[a->plan->kind[k]](&block, 1, found->weight[k]);
-  found->first = block.first[0];
-  return found;
-}
-
-/* Finds the rows of nodes that a row of particles has weights at, and these weights. */
-static void PlaceAcross(const MpmMarchArrays *a, PetscInt begin, PetscInt after, Work *w, Placed *placed)
-{
-  static const Across none = {.weight[0][0] = 1}; /* a direction that is not there */
-  const MpmGrid      *grid = a->march->grid;
-  const PetscInt      n = a->march->scheme->basis->nodes, dim = grid->dim, ny = dim > 1 ? n : 1;
-  const Across       *along[MPM_MAX_DIM] = {NULL, &none, &none};
-  PetscInt            first[MPM_MAX_DIM] = {0, 0, 0};
-
+  weight[1][0][0] = weight[2][0][0] = 1; /* of a direction that is not there */
   for (PetscInt d = 1; d < dim; d++) {
-    PetscInt  cell;
-    PetscReal xi;
+    const PetscInt zero = 0;
+    PetscInt       cell, wall[2];
+    PetscReal      xi;
+    MpmBlock       block;
 
     MpmMarchPlaces(a, d, 1, &a->cell[d][begin], &a->xi[d][begin], after, &cell, &xi);
-    along[d] = FindAcross(a, d, cell, xi, w);
-    first[d] = cell + along[d]->first;
+    MpmDirectionWalls(&a->march->layout->grid[d], grid->axis[d].first + cell, wall);
+    MpmBlockPlace(basis, 1, &zero, &xi, a->march->layout->half_width[d], wall, &block);
+    for (PetscInt k = 0; k < a->plan->nkinds; k++) basis->weights[a->plan->kind[k]](&block, 1, weight[d][k]);
+    first[d] = cell + block.first[0];
   }
-  placed->rows = dim > 2 ? n * n : ny;
-  for (PetscInt z = 0, r = 0; z < placed->rows / ny; z++)
+  placed->rows = ny * nz;
+  for (PetscInt z = 0, r = 0; z < nz; z++)
     for (PetscInt y = 0; y < ny; y++, r++) {
       placed->offset[r] = a->cell[0][begin] + a->whole[after][0] + (first[1] + y) * grid->axis[1].stride +
                           (first[2] + z) * grid->axis[2].stride;
       for (PetscInt k = 0; k < a->plan->nacross; k++)
-        placed->weight[k][r] = along[1]->weight[a->plan->across[k].y][y] * along[2]->weight[a->plan->across[k].z][z];
+        placed->weight[k][r] = weight[1][a->plan->across[k].y][y] * weight[2][a->plan->across[k].z][z];
     }
 }
 
 static void Place(const MpmMarchArrays *a, const MpmRow *row, PetscInt after, Work *w)
 {
   PlaceAlong(a, row, after, &w->placed[after]);
-  PlaceAcross(a, row->begin, after, w, &w->placed[after]);
+  PlaceAcross(a, row->begin, after, &w->placed[after]);
 }
 
 /* Runs a map along x, from a line to particles or back. */
@@ -417,7 +381,7 @@ static PetscInt GatherAlike(const MpmMarchArrays *a, const MpmRowMap *m, const P
 
   for (; placed->alike && n <= m->shared && n < MPM_MOST_TARGETS && !m[n].weight; n++) {
     factor[n] = m[n].a;
-    q[n]      = MpmRowsField(a, m[n].particle, placed->begin);
+    q[n]      = MpmMarchRegister(a, m[n].particle, placed->begin);
   }
   if (n)
     MpmRunsGather(&placed->block, &placed->runs, a->march->scheme->basis->nodes, placed->along[m->weights], n, factor,
@@ -431,7 +395,7 @@ static void GatherShared(const MpmMarchArrays *a, const MpmRowMap *m, const Plac
   const MpmRowMap *last = m + m->shared;
 
   if (m == last && !m->weight) {
-    RunMap(a, m, PETSC_FALSE, placed, m->a, MpmRowsField(a, m->particle, placed->begin), line);
+    RunMap(a, m, PETSC_FALSE, placed, m->a, MpmMarchRegister(a, m->particle, placed->begin), line);
     return;
   }
   for (PetscInt p = 0; p < placed->n; p++) w->weighed[p] = 0;
@@ -439,7 +403,7 @@ static void GatherShared(const MpmMarchArrays *a, const MpmRowMap *m, const Plac
   for (; m <= last; m++) {
     const PetscReal *restrict weight = m->weight ? a->weight[m->weight] + placed->begin : w->ones;
     const PetscReal *restrict from   = w->weighed;
-    PetscReal *restrict q            = MpmRowsField(a, m->particle, placed->begin);
+    PetscReal *restrict q            = MpmMarchRegister(a, m->particle, placed->begin);
 
     for (PetscInt p = 0; p < placed->n; p++) q[p] += m->a * weight[p] * from[p];
   }
@@ -469,7 +433,7 @@ static void RunGather(const MpmMarchArrays *a, const MpmRowStep *step, const Pla
 static void FillLine(const MpmMarchArrays *a, const MpmRowLine *l, const Placed *placed, Work *w, PetscReal *line)
 {
   for (const MpmRowMap *m = a->plan->map + l->begin; m < a->plan->map + l->end; m++) {
-    PetscReal       *q      = m->particle == MPM_NONE ? w->ones : MpmRowsField(a, m->particle, placed->begin);
+    PetscReal       *q      = m->particle == MPM_NONE ? w->ones : MpmMarchRegister(a, m->particle, placed->begin);
     const PetscReal *weight = m->weight ? a->weight[m->weight] + placed->begin : NULL;
 
     if (weight) {
@@ -515,29 +479,6 @@ static void PrefetchPlace(const MpmMarchArrays *a, PetscInt begin)
   }
 }
 
-static void Finite(const MpmMarchArrays *a, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after)
-{
-  const MpmTable      *table = a->march->scheme->table;
-  const MpmFiniteWidth width = MpmFiniteWidthOf(step->finite, table->dim, MpmTableStretches(table));
-  MpmFiniteBlock       block = {.begin = begin, .n = n, .step = a->step + (after && !a->within), .a = step->a};
-
-  for (PetscInt c = 0; c < width.to; c++) block.to[c] = MpmRowsField(a, step->particle + c, begin);
-  for (PetscInt c = 0; c < width.from; c++) block.from[c] = MpmRowsField(a, step->other + c, begin);
-  for (PetscInt c = 0; c < width.stretch; c++) block.stretch[c] = MpmRowsField(a, table->stretch + c, begin);
-  MpmFinitePlace(a, &block);
-  MpmFiniteRun(a->march, step->finite, &block);
-}
-
-void MpmRowsOnParticles(const MpmMarchArrays *a, const MpmRowStep *step, PetscInt begin, PetscInt n, PetscBool after)
-{
-  if (step->kind == MPM_ROW_SCALE)
-    MpmScale(n, step->a, MpmRowsField(a, step->particle, begin));
-  else if (step->kind == MPM_ROW_ADD)
-    MpmNodeAdd(0, n, step->a, MpmRowsField(a, step->other, begin), MpmRowsField(a, step->particle, begin));
-  else if (step->kind == MPM_ROW_FINITE)
-    Finite(a, step, begin, n, after);
-}
-
 static void RunRow(const MpmMarchArrays *a, const MpmRow *row, Work *w)
 {
   const PetscInt begin = row->begin, n = row[1].begin - begin;
@@ -546,13 +487,12 @@ static void RunRow(const MpmMarchArrays *a, const MpmRow *row, Work *w)
   PrefetchPlace(a, row[1].begin);
   Place(a, row, 0, w);
   for (const MpmRowStep *step = a->plan->step; step < a->plan->step + a->plan->nsteps; step++) {
-    if (step->kind == MPM_ROW_GATHER)
-      RunGather(a, step, placed, w);
-    else if (step->kind == MPM_ROW_SPREAD)
-      RunSpread(a, step, placed, w);
-    else
-      MpmRowsOnParticles(a, step, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
-    if (step->kind == MPM_ROW_DRIFT || (step->kind == MPM_ROW_FINITE && step->finite == MPM_ADVANCE)) {
+    if (step->begin < step->end) {
+      (step->spreads ? RunSpread : RunGather)(a, step, placed, w);
+      continue;
+    }
+    MpmMarchOnParticles(a, &step->op, begin, n, placed != w->placed ? PETSC_TRUE : PETSC_FALSE);
+    if (MpmOpTraitsOf(step->op.kind).dst == MPM_NOWHERE) {
       Place(a, row, 1, w);
       placed = &w->placed[1];
     }
@@ -564,7 +504,6 @@ void MpmRowsRun(const MpmMarchArrays *arrays)
   const MpmMarch *march = arrays->march;
   Work            work;
 
-  for (PetscInt d = 0; d < MPM_MAX_DIM; d++) work.nacross[d] = 0;
   for (PetscInt p = 0; p < MPM_BLOCK; p++) work.ones[p] = 1;
   for (PetscInt r = 0; r < march->nrows; r++) RunRow(arrays, &march->row[r], &work);
 }

@@ -32,25 +32,14 @@ typedef struct {
   PetscInt y, z;
 } MpmRowAcross;
 
-typedef enum {
-  MPM_ROW_SCALE,
-  MPM_ROW_ADD,
-  MPM_ROW_FINITE,
-  MPM_ROW_GATHER,
-  MPM_ROW_SPREAD,
-  MPM_ROW_DRIFT
-} MpmRowStepKind;
-
 /*
-   A step of a plan. Gathers and spreads have lines [begin, end); the others a particle field and a number a. An
-   addition adds a times the particle field other. Operations of finite deformation have their kind: after ADVANCE the
-   particles are at new places.
+   A step of a plan: maps of lines [begin, end), to nodes where it spreads and else from them; or without lines an
+   operation on particles alone, or that moves them.
 */
 typedef struct {
-  MpmRowStepKind kind;
-  MpmOpKind      finite;
-  PetscInt       begin, end, particle, other;
-  PetscReal      a;
+  PetscInt  begin, end;
+  PetscBool spreads;
+  MpmOp     op;
 } MpmRowStep;
 
 /*S
@@ -67,25 +56,10 @@ struct MpmRowPlan_ {
 };
 
 /* Not collective. Compiles a pass. */
-void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, PetscInt dim, MpmRowPlan *plan);
+void MpmRowPlanCompile(const MpmPass *pass, const MpmBasis *basis, const MpmLayout *layout, MpmRowPlan *plan);
 
 /* Not collective. Finds the rows of the particles, if passes go through rows. It is called when places have changed. */
 PetscErrorCode MpmRowsFind(MpmMarch *march);
 
 /* Not collective. Takes all particles through the pass. */
 void MpmRowsRun(const MpmMarchArrays *arrays);
-
-/* Not collective. A particle field from particle begin on. Scratch fields live for one row, or for one cloud. */
-static inline PetscReal *MpmRowsField(const MpmMarchArrays *arrays, PetscInt field, PetscInt begin)
-{
-  const PetscInt held = MpmTableHeld(arrays->march->scheme->table);
-
-  return field < held ? arrays->particle[field] + begin : arrays->march->scratch + (field - held) * MPM_BLOCK;
-}
-
-/*
-   Not collective. Runs a step of particles alone, which scales, adds or is of finite deformation, on n particles from
-   begin on. after: they have been advanced. Steps with nodes are left to the engine.
-*/
-void MpmRowsOnParticles(const MpmMarchArrays *arrays, const MpmRowStep *step, PetscInt begin, PetscInt n,
-                        PetscBool after);

@@ -146,7 +146,8 @@ static PetscBool IsInside(const MpmStencils *s, PetscInt p)
 }
 
 /* Of particles inside, one direction after another: nodes d further along one have the products so far times its weights. */
-static void FillInside(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
+static inline __attribute__((always_inline)) void FillInside(const PetscInt dim, MpmStencils *s,
+                                                             PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
 {
   const MpmBasis *basis = s->slopes.basis;
   PetscReal       weight[2][MPM_MOST_NODES * MPM_STENCILS];
@@ -156,9 +157,9 @@ static void FillInside(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at
   for (PetscInt q = 0; q < MPM_STENCILS; q++) {
     s->node[q] = 0;
     s->S[q]    = 1;
-    for (PetscInt b = 0; b < s->dim; b++) s->g[b * MPM_STENCILS + q] = 1;
+    for (PetscInt b = 0; b < dim; b++) s->g[b * MPM_STENCILS + q] = 1;
   }
-  for (PetscInt a = 0; a < s->dim; a++, s->nodes *= basis->nodes) {
+  for (PetscInt a = 0; a < dim; a++, s->nodes *= basis->nodes) {
     for (PetscInt q = s->n; q < MPM_STENCILS; q++) {
       in[a][q] = in[a][0];
       at[a][q] = at[a][0];
@@ -168,16 +169,23 @@ static void FillInside(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at
     basis->weights[s->slopes.kind](&block, MPM_STENCILS, weight[1]);
     for (PetscInt d = basis->nodes - 1; d >= 0; d--) /* the first nodes are read last */
       for (PetscInt i = 0; i < s->nodes; i++) {
-        const PetscInt   to = (d * s->nodes + i) * MPM_STENCILS, from = i * MPM_STENCILS;
+        const PetscInt to = (d * s->nodes + i) * MPM_STENCILS, from = i * MPM_STENCILS,
+                       stride = s->march->grid->axis[a].stride;
         const PetscReal *phi = weight[0] + d * MPM_STENCILS, *slope = weight[1] + d * MPM_STENCILS;
+        PetscReal       *S = s->S, *g = s->g;
+        PetscInt        *node = s->node;
 
-        for (PetscInt q = 0; q < MPM_STENCILS; q++)
-          s->node[to + q] = s->node[from + q] + (block.first[q] + d) * s->march->grid->axis[a].stride;
-        for (PetscInt q = 0; q < MPM_STENCILS; q++) s->S[to + q] = s->S[from + q] * phi[q];
-        for (PetscInt b = 0; b < s->dim; b++) {
-          const PetscReal *times = b == a ? slope : phi, *g = s->g + s->dim * from + b * MPM_STENCILS;
+#pragma omp simd
+        for (PetscInt q = 0; q < MPM_STENCILS; q++) {
+          node[to + q] = node[from + q] + (block.first[q] + d) * stride;
+          S[to + q]    = S[from + q] * phi[q];
+        }
+        for (PetscInt b = 0; b < dim; b++) {
+          const PetscReal *times = b == a ? slope : phi;
+          const PetscInt   at_b  = b * MPM_STENCILS;
 
-          for (PetscInt q = 0; q < MPM_STENCILS; q++) s->g[s->dim * to + b * MPM_STENCILS + q] = g[q] * times[q];
+#pragma omp simd
+          for (PetscInt q = 0; q < MPM_STENCILS; q++) g[dim * to + at_b + q] = g[dim * from + at_b + q] * times[q];
         }
       }
   }
@@ -227,7 +235,7 @@ PetscBool MpmStencilsNext(MpmStencils *s)
   for (PetscInt a = 0; a < s->dim; a++)
     MpmMarchPlaces(&s->at, a, s->n, s->at.cell[a] + s->begin, s->at.xi[a] + s->begin, 0, in[a], at[a]);
   if (s->inside)
-    FillInside(s, in, at);
+    s->dim == 1 ? FillInside(1, s, in, at) : s->dim == 2 ? FillInside(2, s, in, at) : FillInside(3, s, in, at);
   else
     FillAtWall(s, in, at);
   return PETSC_TRUE;

@@ -93,11 +93,13 @@ static void Norms(const Pass *s, PetscInt i, PetscInt c, PetscReal norm[])
 {
   const PetscReal *g = s->at.g + (i * s->at.components + c) * s->dim * MPM_STENCILS;
 
-  for (PetscInt q = 0; q < MPM_STENCILS; q++) {
-    norm[q] = 0;
-    for (PetscInt b = 0; b < s->dim; b++) norm[q] += PetscSqr(g[b * MPM_STENCILS + q]);
-    norm[q] = sqrt(norm[q]);
+  for (PetscInt q = 0; q < MPM_STENCILS; q++) norm[q] = 0;
+  for (PetscInt b = 0; b < s->dim; b++) {
+#pragma omp simd
+    for (PetscInt q = 0; q < MPM_STENCILS; q++) norm[q] += PetscSqr(g[b * MPM_STENCILS + q]);
   }
+#pragma omp simd
+  for (PetscInt q = 0; q < MPM_STENCILS; q++) norm[q] = sqrt(norm[q]);
 }
 
 /*
@@ -213,10 +215,15 @@ static void Times(Pass *s, PetscBool lone, PetscInt i, PetscInt k, PetscReal tim
   PetscReal        norm[MPM_STENCILS];
 
   Norms(s, i, k, norm);
-  for (PetscInt q = 0; q < MPM_STENCILS && !lone; q++) times[q] = norm[q] > 0 ? sum[node[q]] / norm[q] : 0;
-  for (PetscInt q = 0; q < MPM_STENCILS && lone; q++) {
-    times[q] = S[q] > 0 ? 1 / S[q] : 0;
-    if (norm[q] > 0 && !(S[q] > 0)) endless[q] = PETSC_TRUE;
+  if (lone)
+    for (PetscInt q = 0; q < MPM_STENCILS; q++) {
+      times[q] = S[q] > 0 ? 1 / S[q] : 0;
+      if (norm[q] > 0 && !(S[q] > 0)) endless[q] = PETSC_TRUE;
+    }
+  else {
+    for (PetscInt q = 0; q < MPM_STENCILS; q++) times[q] = sum[node[q]];
+#pragma omp simd
+    for (PetscInt q = 0; q < MPM_STENCILS; q++) times[q] = norm[q] > 0 ? times[q] / norm[q] : 0;
   }
   for (PetscInt q = 0; q < s->at.n && (lone || !s->at.inside); q++)
     if (norm[q] > 0 && s->inverse[node[q]] == 0) s->loses = PETSC_TRUE;
@@ -227,10 +234,9 @@ static void Times(Pass *s, PetscBool lone, PetscInt i, PetscInt k, PetscReal tim
    eigenvalues whose sum is 4 mu (mu + lambda) tr G^2 + lambda^2 (tr G)^2. These bound its largest one (Wolkowicz and
    Styan 1980). A bound below least suffices.
 */
-static void ValuesInside(Pass *s, PetscBool lone, const PetscReal factor[], PetscReal least)
+INLINE void ValuesInside(const PetscInt dim, Pass *s, PetscBool lone, const PetscReal factor[], PetscReal least)
 {
   const MpmStencils *c                                         = &s->at;
-  const PetscInt     dim                                       = s->dim;
   PetscReal          G[MPM_MAX_DIM][MPM_MAX_DIM][MPM_STENCILS] = {{{0}}}, times[MPM_STENCILS];
   PetscBool          endless[MPM_STENCILS]                     = {PETSC_FALSE};
 
@@ -239,9 +245,11 @@ static void ValuesInside(Pass *s, PetscBool lone, const PetscReal factor[], Pets
 
     Times(s, lone, i, 0, times, endless);
     for (PetscInt a = 0; a < dim; a++)
-      for (PetscInt b = a; b < dim; b++)
+      for (PetscInt b = a; b < dim; b++) {
+#pragma omp simd
         for (PetscInt q = 0; q < MPM_STENCILS; q++)
           G[a][b][q] += times[q] * g[a * MPM_STENCILS + q] * g[b * MPM_STENCILS + q];
+      }
   }
   for (PetscInt q = 0; q < c->n; q++) {
     const Lame m = LameOf(s, c->begin + q);
@@ -299,7 +307,9 @@ static void Values(Pass *s, PetscBool lone, PetscReal least)
     factor[q] = s->stiffness[p] * (lone ? Of(s->volume, p) / Of(s->mass, p) : sqrt(Of(s->volume, p)) / s->weight[p]);
   }
   if (c->components == 1)
-    ValuesInside(s, lone, factor, least);
+    s->dim == 1   ? ValuesInside(1, s, lone, factor, least)
+    : s->dim == 2 ? ValuesInside(2, s, lone, factor, least)
+                  : ValuesInside(3, s, lone, factor, least);
   else
     ValuesAtWall(s, lone, factor);
 }

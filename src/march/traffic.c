@@ -28,30 +28,32 @@ static PetscReal Bytes(uint64_t mask)
   return bytes;
 }
 
-static void TouchPass(const MpmPass *pass, Touched *particle, Touched *node, uint64_t *weights)
+static void TouchPass(const MpmLayout *layout, const MpmPass *pass, Touched *particle, Touched *node, uint64_t *weights)
 {
-  for (const MpmPassOp *op = pass->op; op < pass->op + pass->nops; op++) {
-    if (op->kind == MPM_PASS_DRIFT) continue;
-    particle->reads |= Bit(op->particle);
-    if (!op->to_nodes) particle->writes |= Bit(op->particle);
-    if (op->kind == MPM_PASS_ADD) particle->reads |= Bit(op->other);
-    if (op->kind == MPM_PASS_SCALE || op->kind == MPM_PASS_ADD) continue;
-    if (op->to_nodes)
-      node->writes |= Bit(op->node);
-    else
-      node->reads |= Bit(op->node);
-    if (op->weight) *weights |= Bit(op->weight);
+  for (const MpmOp *op = pass->op; op < pass->op + pass->nops; op++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(op->kind);
+    const MpmProperty weight = MpmLayoutWeight(layout, op->kind, op->side);
+
+    if (traits.dst == MPM_NOWHERE) continue;
+    if (traits.src == MPM_ON_PARTICLES && op->kind != MPM_SCALE) particle->reads |= Bit(op->src);
+    if (traits.src == MPM_ON_NODES) node->reads |= Bit(op->src);
+    if (traits.dst == MPM_ON_PARTICLES) {
+      particle->reads |= Bit(op->dst);
+      particle->writes |= Bit(op->dst);
+    } else
+      node->writes |= Bit(op->dst);
+    if (weight && traits.dst != traits.src) *weights |= Bit(weight);
   }
 }
 
 /* Adds the bytes of a pass, without the places of particles. Masses are read where something is summed. */
-static void AddPass(const MpmTable *t, const MpmSchedule *s, const MpmPass *pass, PetscReal *of_particle,
-                    PetscReal *of_node)
+static void AddPass(const MpmTable *t, const MpmLayout *layout, const MpmSchedule *s, const MpmPass *pass,
+                    PetscReal *of_particle, PetscReal *of_node)
 {
   Touched  particle = {0}, node = {0};
   uint64_t weights = 0;
 
-  TouchPass(pass, &particle, &node, &weights);
+  TouchPass(layout, pass, &particle, &node, &weights);
   for (PetscInt o = 0; o < pass->nnode_ops; o++)
     if (pass->node_op[o].kind != MPM_WALL) *of_node += 3 * sizeof(PetscReal);     /* reads one, changes another */
   for (PetscInt f = t->nstate; f < t->nparticles; f++) particle.reads &= ~Bit(f); /* scratch fields stay in the cache */
@@ -60,17 +62,17 @@ static void AddPass(const MpmTable *t, const MpmSchedule *s, const MpmPass *pass
   *of_node += Bytes(node.reads | node.writes) + Bytes(node.writes);
   for (PetscInt f = 0; f < t->nnodes; f++)
     if (s->spare[f] && node.writes & Bit(f)) *of_node += Bytes(node.reads & Bit(f)); /* into another array */
-  if (pass->nsums) *of_node += sizeof(PetscReal) * (pass->sums_mass ? 2 : 1);
+  if (pass->nsums) *of_node += sizeof(PetscReal) * (pass->mass != MPM_NONE ? 2 : 1);
 }
 
-PetscReal MpmScheduleBytes(const MpmTable *table, const MpmSchedule *schedule, PetscReal particles_per_node,
-                           PetscBool alike)
+PetscReal MpmScheduleBytes(const MpmTable *table, const MpmLayout *layout, const MpmSchedule *schedule,
+                           PetscReal particles_per_node, PetscBool alike)
 {
   PetscReal of_particle = 0, of_node = 0;
 
   if (MpmTableSolves(table) || MpmTableIsFinite(table)) return NAN;
   for (PetscInt p = 0; p < schedule->npasses; p++) {
-    AddPass(table, schedule, &schedule->pass[p], &of_particle, &of_node);
+    AddPass(table, layout, schedule, &schedule->pass[p], &of_particle, &of_node);
     if (!alike) of_particle += sizeof(PetscInt) + sizeof(PetscReal);
   }
   return of_particle + of_node / particles_per_node;

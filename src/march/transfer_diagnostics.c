@@ -35,7 +35,7 @@ PetscErrorCode MpmTransferDiagnosticsCreate(MpmMarch *march, const MpmRequest *r
   PetscCall(DMCreateLocalVector(march->grid->da, &x->node));
   PetscCall(VecDuplicate(x->node, &x->other));
   if (request->source_term) PetscCall(VecDuplicate(x->node, &x->inverse_mass));
-  if (request->ringing) PetscCall(MpmNodalSolveCreate(march->layout, march->scheme->basis, march->grid, &x->solve));
+  if (request->ringing) PetscCall(MpmNodalSolveCreate(march, &x->solve));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -129,7 +129,7 @@ static PetscErrorCode Source(MpmTransferDiagnostics *x, PetscInt field, PetscRea
   PetscReal     *now, *next, change = 0;
 
   PetscFunctionBegin;
-  PetscCall(MpmMarchProjectNext(x->march, field, x->inverse_mass, x->other));
+  PetscCall(MpmMarchProject(x->march, field, x->march->particles->step + 1, x->inverse_mass, x->other));
   PetscCall(MpmGridGetArray(grid, x->node, &now));
   PetscCall(MpmGridGetArray(grid, x->other, &next));
   for (PetscInt i = 0; i < grid->axis[0].nodes; i++) change += PetscSqr(next[i] - now[i]);
@@ -166,16 +166,13 @@ static PetscErrorCode Ringing(MpmTransferDiagnostics *x, PetscInt field, PetscRe
   const MpmParity   *parity = MpmTableParity(march->scheme->table, field);
   PetscReal         *g, *y, sums[2] = {0, 0};
   MpmMarchArrays     at = {.march = march};
-  MpmPlaces          places;
   KSPConvergedReason reason;
 
   PetscFunctionBegin;
   PetscCall(MpmMarchGetArrays(march, march->particles->step, &at));
-  places = MpmMarchRest(&at);
   PetscCall(MpmGridGetArray(march->grid, x->node, &g));
   PetscCall(MpmGridGetArray(march->grid, x->other, &y));
-  PetscCall(MpmNodalSolveTry(x->solve, march->particles, march->particles->step, &places, parity, at.sum[MPM_MASSES], g,
-                             y, &reason));
+  PetscCall(MpmNodalSolveApply(x->solve, &at, march->particles->step, parity, g, y, &reason));
   Remainder(&at, at.particle[field], y, sums);
   PetscCall(MpmGridRestoreArray(march->grid, x->other, &y));
   PetscCall(MpmGridRestoreArray(march->grid, x->node, &g));
@@ -211,7 +208,7 @@ PetscErrorCode MpmTransferDiagnosticsMeasure(MpmTransferDiagnostics *x)
   for (PetscInt f = 0; f < x->march->scheme->table->nstate; f++) {
     sample.source[f] = sample.ringing[f] = NAN;
     if (!x->request->source_term && !x->request->ringing) continue;
-    PetscCall(MpmMarchProject(x->march, f, x->node));
+    PetscCall(MpmMarchProject(x->march, f, x->march->particles->step, NULL, x->node));
     if (x->request->source_term) PetscCall(Source(x, f, &sample.source[f]));
     if (x->request->ringing) PetscCall(Ringing(x, f, &sample.ringing[f]));
   }

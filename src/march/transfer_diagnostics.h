@@ -3,7 +3,7 @@
    three diagnostics that the slides' questions ask for. A run that does not ask for them allocates and computes none.
 */
 #pragma once
-#include "march/march_private.h"
+#include "march/nodal_solve.h"
 #include "scene/request.h"
 
 /*S

@@ -80,7 +80,7 @@ static PetscErrorCode CheckProjection(MpmMarch *march, Finite *loops, const char
 
   PetscFunctionBegin;
   PetscCall(DMCreateLocalVector(march->grid->da, &node));
-  PetscCall(MpmMarchProject(march, 0, node));
+  PetscCall(MpmMarchProject(march, 0, march->particles->step, NULL, node));
   PetscCall(MpmGridGetArray(march->grid, node, &values));
   for (PetscInt r = 0; r < MpmGridRows(&box); r++)
     for (PetscInt i = 0; i < box.hi[0]; i++) sum += PetscSqr(values[MpmGridRow(march->grid, &box, r) + i]);

@@ -2,12 +2,21 @@
 #include "check.h"
 #include "march/passes.h"
 
-static PetscInt CountKind(const MpmSchedule *s, MpmPassOpKind kind)
+/* The passes of a step in which particles move, or whose masses are summed. */
+static PetscInt CountMoves(const MpmSchedule *s)
 {
   PetscInt n = 0;
 
   for (PetscInt p = 0; p < s->npasses; p++)
-    for (PetscInt o = 0; o < s->pass[p].nops; o++) n += s->pass[p].op[o].kind == kind;
+    for (PetscInt o = 0; o < s->pass[p].nops; o++) n += MpmOpTraitsOf(s->pass[p].op[o].kind).dst == MPM_NOWHERE;
+  return n;
+}
+
+static PetscInt CountMasses(const MpmSchedule *s)
+{
+  PetscInt n = 0;
+
+  for (PetscInt p = 0; p < s->npasses; p++) n += s->pass[p].mass != MPM_NONE;
   return n;
 }
 
@@ -21,19 +30,19 @@ static PetscErrorCode Compiles(const char name[], const char more[], PetscInt pa
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s %s", name, more));
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmScheduleCompile(scene->scheme.table, MpmBases[0], &scene->layout, 0.5, PETSC_FALSE, PETSC_TRUE, &s));
+  PetscCall(MpmScheduleCompile(scene->scheme.table, 0.5, PETSC_FALSE, PETSC_TRUE, &s));
   CHECK(s.npasses == passes, "%s at rest: %d passes", name, s.npasses);
   CHECK(s.halo == halo, "%s: halo %d", name, s.halo);
-  CHECK(CountKind(&s, MPM_PASS_DRIFT) == 0 && CountKind(&s, MPM_PASS_MASS) == 0, "%s at rest moves or weighs", name);
-  CHECK(s.start.sums_mass, "%s: masses are never summed", name);
+  CHECK(CountMoves(&s) == 0 && CountMasses(&s) == 0, "%s at rest moves or weighs", name);
+  CHECK(s.start.mass != MPM_NONE, "%s: masses are never summed", name);
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) spare += s.spare[n];
   CHECK(spare == spares, "%s: %d spare arrays", name, spare);
 
-  PetscCall(MpmScheduleCompile(scene->scheme.table, MpmBases[0], &scene->layout, 0.5, PETSC_TRUE, PETSC_TRUE, &s));
+  PetscCall(MpmScheduleCompile(scene->scheme.table, 0.5, PETSC_TRUE, PETSC_TRUE, &s));
   CHECK(s.npasses == passes, "%s drifting: %d passes", name, s.npasses);
-  CHECK(CountKind(&s, MPM_PASS_DRIFT) == 1 && CountKind(&s, MPM_PASS_MASS) == 1, "%s drifting", name);
+  CHECK(CountMoves(&s) == 1 && CountMasses(&s) == 1, "%s drifting", name);
 
-  PetscCall(MpmScheduleCompile(scene->scheme.table, MpmBases[0], &scene->layout, 0.5, PETSC_TRUE, PETSC_FALSE, &s));
+  PetscCall(MpmScheduleCompile(scene->scheme.table, 0.5, PETSC_TRUE, PETSC_FALSE, &s));
   CHECK(s.npasses == passes + 1, "%s migrating in each step: %d passes", name, s.npasses);
   CHECK(s.pass[passes - 1].rebase && !s.pass[passes].rebase, "%s migrates in the wrong pass", name);
   PetscCall(MpmScheduleDestroy(&s));
@@ -53,10 +62,9 @@ static PetscErrorCode SumsOnce(const char options[], PetscInt sums)
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmScheduleCompile(scene->scheme.table, scene->scheme.basis, &scene->layout, 0.5, MpmSceneDrifts(scene),
-                               PETSC_TRUE, &s));
+  PetscCall(MpmScheduleCompile(scene->scheme.table, 0.5, MpmSceneDrifts(scene), PETSC_TRUE, &s));
   for (PetscInt p = 0; p < s.npasses; p++)
-    for (PetscInt o = 0; o < s.pass[p].nops; o++) summed += s.pass[p].op[o].to_nodes ? 1 : 0;
+    for (PetscInt o = 0; o < s.pass[p].nops; o++) summed += MpmOpIsSum(&s.pass[p].op[o]);
   CHECK(summed == sums, "%s: %d sums a step, not %d", options, summed, sums);
   PetscCall(MpmScheduleDestroy(&s));
   PetscCall(MpmSceneDestroy(&scene));
@@ -75,11 +83,9 @@ static PetscErrorCode TakesOnce(const char options[], PetscInt passes, PetscInt 
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmScheduleCompile(scene->scheme.table, scene->scheme.basis, &scene->layout, 0.5, MpmSceneDrifts(scene),
-                               PETSC_TRUE, &s));
+  PetscCall(MpmScheduleCompile(scene->scheme.table, 0.5, MpmSceneDrifts(scene), PETSC_TRUE, &s));
   for (PetscInt p = 0; p < s.npasses; p++)
-    for (PetscInt o = 0; o < s.pass[p].nops; o++)
-      taken += s.pass[p].op[o].kind == MPM_PASS_MAP && !s.pass[p].op[o].to_nodes;
+    for (PetscInt o = 0; o < s.pass[p].nops; o++) taken += MpmOpIsGather(&s.pass[p].op[o]);
   CHECK(s.npasses == passes, "%s: %d passes, not %d", options, s.npasses, passes);
   CHECK(taken == gathers, "%s: %d gathers a step, not %d", options, taken, gathers);
   PetscCall(MpmScheduleDestroy(&s));
@@ -113,9 +119,8 @@ static PetscErrorCode Moves(const char options[], PetscBool alike, PetscReal byt
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmScheduleCompile(scene->scheme.table, scene->scheme.basis, &scene->layout, 0.5, MpmSceneDrifts(scene),
-                               PETSC_TRUE, &s));
-  CHECK_NEAR(MpmScheduleBytes(scene->scheme.table, &s, 2, alike), bytes, 0);
+  PetscCall(MpmScheduleCompile(scene->scheme.table, 0.5, MpmSceneDrifts(scene), PETSC_TRUE, &s));
+  CHECK_NEAR(MpmScheduleBytes(scene->scheme.table, &scene->layout, &s, 2, alike), bytes, 0);
   PetscCall(MpmScheduleDestroy(&s));
   PetscCall(MpmSceneDestroy(&scene));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -4,25 +4,29 @@
 
 static PetscErrorCode Test(int argc, char **argv)
 {
-  const MpmBasis      *basis      = MpmBasisFind("quadratic");
-  const MpmPass        pass       = {.nops = 5,
-                                     .op   = {{.kind = MPM_PASS_MAP, .map = MPM_GRAD, .axis = 1, .a = 2},
-                                              {.kind = MPM_PASS_MAP, .map = MPM_GRAD, .axis = 1, .particle = 1, .a = 3},
-                                              {.kind = MPM_PASS_SCALE, .particle = 2, .a = 0},
-                                              {.kind = MPM_PASS_SCALE, .particle = 1, .a = 4},
-                                              {.kind = MPM_PASS_MAP, .map = MPM_G2P, .particle = 1, .a = 1}}};
-  const MpmRowStepKind expected[] = {MPM_ROW_SCALE, MPM_ROW_GATHER, MPM_ROW_SCALE, MPM_ROW_GATHER};
-  MpmRowPlan          *plan;
+  const MpmBasis *basis     = MpmBasisFind("quadratic");
+  const MpmLayout layout    = {.dim = 2};
+  const MpmPass   pass      = {.nops = 5,
+                               .mass = MPM_NONE,
+                               .op   = {{.kind = MPM_GRAD, .axis = 1, .factor = 2},
+                                        {.kind = MPM_GRAD, .axis = 1, .dst = 1, .factor = 3},
+                                        {.kind = MPM_SCALE, .dst = 2, .factor = 0},
+                                        {.kind = MPM_SCALE, .dst = 1, .factor = 4},
+                                        {.kind = MPM_G2P, .dst = 1, .factor = 1}}};
+  const PetscBool of_maps[] = {PETSC_FALSE, PETSC_TRUE, PETSC_FALSE, PETSC_TRUE};
+  MpmRowPlan     *plan;
 
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
   PetscCall(PetscNew(&plan));
-  MpmRowPlanCompile(&pass, basis, 2, plan);
+  MpmRowPlanCompile(&pass, basis, &layout, plan);
   CHECK(plan->nsteps == 4, "%d steps", (int)plan->nsteps);
-  for (PetscInt s = 0; s < plan->nsteps; s++) CHECK(plan->step[s].kind == expected[s], "step %d", (int)s);
-  CHECK(plan->step[0].particle == 2, "a register that no map of the group changes is scaled before it");
-  CHECK(plan->step[2].particle == 1 && plan->step[2].a == 4, "a register that a map has changed is scaled after it");
+  for (PetscInt s = 0; s < plan->nsteps; s++)
+    CHECK((plan->step[s].begin < plan->step[s].end) == of_maps[s], "step %d", (int)s);
+  CHECK(plan->step[0].op.dst == 2, "a register that no map of the group changes is scaled before it");
+  CHECK(plan->step[2].op.dst == 1 && plan->step[2].op.factor == 4,
+        "a register that a map has changed is scaled after it");
   CHECK(plan->nlines == 2 && plan->nmaps == 3, "%d lines, %d maps", (int)plan->nlines, (int)plan->nmaps);
   CHECK(plan->kind[plan->across[plan->line[0].across].y] == MPM_DIV && plan->across[plan->line[0].across].z == 0,
         "the slopes are across x");
