@@ -154,38 +154,9 @@ static void Exchange(PetscInt64 pair[2])
   pair[1] = kept;
 }
 
-/* The convergents of the continued fraction of abs(value) are the nearest fractions for their denominators. */
-MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most)
-{
-  MpmFraction f      = {.num = 0, .den = 0, .value = value};
-  PetscReal   rest   = PetscAbsReal(value);
-  PetscInt64  num[2] = {0, 1}, den[2] = {1, 0}; /* the last two convergents */
-
-  while (rest <= (PetscReal)LARGEST_TERM) {
-    const PetscInt64 whole = (PetscInt64)floor(rest);
-    PetscInt64       next[2];
-
-    if (__builtin_mul_overflow(whole, num[1], &next[0]) || __builtin_mul_overflow(whole, den[1], &next[1])) break;
-    next[0] += num[0];
-    next[1] += den[0];
-    if (next[1] > most || next[0] > LARGEST_TERM) break;
-    num[0] = num[1];
-    den[0] = den[1];
-    num[1] = next[0];
-    den[1] = next[1];
-    if ((PetscReal)num[1] / (PetscReal)den[1] == PetscAbsReal(value)) {
-      f.num = value < 0 ? -num[1] : num[1];
-      f.den = den[1];
-      break;
-    }
-    if (rest == (PetscReal)whole) break;
-    rest = 1 / (rest - (PetscReal)whole);
-  }
-  return f;
-}
-
 /*
-   The nearest is the last convergent within most, or the largest fraction between it and the next one: with the terms
+   The convergents of the continued fraction of abs(value) are the nearest fractions for their denominators. The nearest
+   of all is the last convergent within most, or the largest fraction between it and the next one: with the terms
    (m p1 + p0) / (m q1 + q0), m as large as most allows.
 */
 MpmFraction MpmFractionNearest(PetscReal value, PetscInt64 most)
@@ -217,6 +188,14 @@ MpmFraction MpmFractionNearest(PetscReal value, PetscInt64 most)
   }
   if (value < 0) Reduce(&f, -f.num, f.den);
   return f;
+}
+
+MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most)
+{
+  MpmFraction f = {.den = 0, .value = value};
+
+  if (PetscAbsReal(value) <= (PetscReal)(LARGEST_TERM / most)) f = MpmFractionNearest(value, most);
+  return f.value == value ? f : (MpmFraction){.den = 0, .value = value};
 }
 
 void MpmFractionMultiple(const MpmFraction *f, PetscInt64 n, PetscInt64 *whole, PetscReal *part)

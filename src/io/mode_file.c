@@ -10,7 +10,6 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/verdict.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -29,27 +28,16 @@ static void NameGroup(const MpmScene *scene, char group[], size_t room)
 }
 
 /* Keeps the first fault, since the refusal names only one. */
-__attribute__((format(printf, 2, 3))) static void Wrong(Check *c, const char format[], ...)
-{
-  va_list arguments;
-
-  if (c->why[0]) return;
-  va_start(arguments, format);
-  (void)vsnprintf(c->why, sizeof c->why, format, arguments);
-  va_end(arguments);
-}
+#define Wrong(c, ...) (void)((c)->why[0] || snprintf((c)->why, sizeof(c)->why, __VA_ARGS__))
 
 static void SameText(Check *c, const char name[], const char mine[])
 {
-  const hid_t text                   = H5Tcopy(H5T_C_S1);
-  char        their[MPM_COUNTS_TEXT] = "";
+  char their[MPM_COUNTS_TEXT];
 
-  (void)H5Tset_size(text, sizeof their);
-  if (!MpmHdf5ReadAttribute(&c->file, "/", name, text, their))
+  if (!MpmHdf5ReadText(&c->file, "/", name, sizeof their, their))
     Wrong(c, "no %s in it; " WRITTEN, name);
-  else if (strncmp(mine, their, sizeof their))
-    Wrong(c, "its %s is %.*s, the scene's is %s; allowed: the same", name, (int)sizeof their, their, mine);
-  (void)H5Tclose(text);
+  else if (strcmp(mine, their))
+    Wrong(c, "its %s is %s, the scene's is %s; allowed: the same", name, their, mine);
 }
 
 static void SameNumber(Check *c, const char name[], PetscReal mine)
