@@ -310,20 +310,6 @@ static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_w
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes one field of the real or the imaginary part of an eigenvector. */
-static PetscErrorCode WriteField(const char name[], Vec field, MpmDataFile *file)
-{
-  const PetscReal *values;
-  PetscInt         n;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetLocalSize(field, &n));
-  PetscCall(VecGetArrayRead(field, &values));
-  PetscCall(MpmHdf5Write(&file->hdf5, name, H5T_NATIVE_DOUBLE, n, 1, values));
-  PetscCall(VecRestoreArrayRead(field, &values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* fields: the names of the parts of a vector; NULL: it is a whole, in the order of its rows. */
 static PetscErrorCode WriteModes(const MpmOperator *op, const char *const fields[], const MpmEigen *eigen,
                                  PetscInt count, MpmDataFile *file)
@@ -344,7 +330,7 @@ static PetscErrorCode WriteModes(const MpmOperator *op, const char *const fields
         if (fields) PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
         (void)snprintf(name, sizeof name, "/modes/%04" PetscInt_FMT "/%s_%s", j + 1, fields ? fields[f] : "vector",
                        parts[part]);
-        PetscCall(WriteField(name, fields ? field : x[part], file));
+        PetscCall(MpmDataFileVector(file, name, 0, NULL, fields ? field : x[part]));
       }
     }
     WriteEigenvalue(op, eigen, j, file);
