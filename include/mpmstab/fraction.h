@@ -44,10 +44,10 @@ MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, P
 void MpmFractionMultiple(const MpmFraction *fraction, PetscInt64 n, PetscInt64 *whole, PetscReal *part);
 
 /*@C
-   MpmFractionProduct - the product of n fractions, n at most 8.
+   MpmFractionProduct - the product of n fractions.
 
-   Not collective. The product is a ratio if all factors are and if its terms are at most 1e15 in size. Else den is 0,
-   and value is the product of the values.
+   Not collective. The product is a ratio if all factors are, if the products of their terms fit into 128 bits, and if
+   its terms are at most 1e15 in size. Else den is 0, and value is the product of the values.
 @*/
 MpmFraction MpmFractionProduct(PetscInt n, const MpmFraction factors[]);
 

@@ -10,7 +10,6 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
@@ -52,16 +51,8 @@ const char *MpmChildErrors(const MpmChild *child)
   return child->errors;
 }
 
-static void Fail(MpmChild *c, const char format[], ...) __attribute__((format(printf, 2, 3)));
-static void Fail(MpmChild *c, const char format[], ...)
-{
-  va_list arguments;
-
-  if (c->failure[0]) return;
-  va_start(arguments, format);
-  (void)vsnprintf(c->failure, sizeof c->failure, format, arguments);
-  va_end(arguments);
-}
+/* Notes the first failure. */
+#define Fail(c, ...) (void)((c)->failure[0] || snprintf((c)->failure, sizeof(c)->failure, __VA_ARGS__))
 
 /* A time in seconds as poll wants it. */
 static int Milliseconds(PetscReal seconds)
@@ -295,24 +286,19 @@ static void ReadErrors(MpmChild *c)
   ssize_t n;
 
   for (int pieces = 0; c->err >= 0 && pieces < PIECE / (int)sizeof piece; pieces++) {
-    size_t have = strlen(c->errors), most;
+    const size_t have = strlen(c->errors);
+    size_t       beyond, old;
 
     n = read(c->err, piece, sizeof piece);
     if (n < 0) return;
     if (n == 0) Close(&c->err);
-    most = have + (size_t)n > ERRORS_ROOM ? have + (size_t)n - ERRORS_ROOM : 0;
     for (ssize_t i = 0; i < n; i++)
       if (!piece[i]) piece[i] = '?';
-    if (most >= have) {
-      have = 0;
-      most = (size_t)n > ERRORS_ROOM ? (size_t)n - ERRORS_ROOM : 0;
-      memcpy(c->errors, piece + most, (size_t)n - most);
-      c->errors[(size_t)n - most] = '\0';
-    } else {
-      memmove(c->errors, c->errors + most, have - most);
-      memcpy(c->errors + have - most, piece, (size_t)n);
-      c->errors[have - most + (size_t)n] = '\0';
-    }
+    beyond = have + (size_t)n > ERRORS_ROOM ? have + (size_t)n - ERRORS_ROOM : 0;
+    old    = PetscMin(beyond, have);
+    memmove(c->errors, c->errors + old, have - old);
+    memcpy(c->errors + have - old, piece + beyond - old, (size_t)n - (beyond - old));
+    c->errors[have + (size_t)n - beyond] = '\0';
   }
 }
 

@@ -91,19 +91,12 @@ PetscBool MpmFractionParse(const char text[], MpmFraction *fraction)
   return PETSC_TRUE;
 }
 
-MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, PetscInt j, PetscInt n)
+/* The ratio in its lowest terms; f where they are too large. */
+static MpmFraction Ratio(Wide num, Wide den, MpmFraction f)
 {
-  const PetscReal part = (PetscReal)j / (n - 1);
-  MpmFraction     f    = {.value = (1 - part) * from->value + part * to->value};
-  Wide            num, den, a, b;
+  Wide a = num < 0 ? -num : num, b = den;
 
-  if (j == 0) return *from;
-  if (j == n - 1) return *to;
-  if (!from->den || !to->den) return f;
-  if (__builtin_mul_overflow((Wide)from->den * to->den, n - 1, &den)) return f;
-  if (__builtin_mul_overflow((Wide)from->num * to->den, n - 1 - j, &num)) return f;
-  if (__builtin_mul_overflow((Wide)to->num * from->den, j, &a) || __builtin_add_overflow(num, a, &num)) return f;
-  for (a = num < 0 ? -num : num, b = den; b;) { /* Euclid's algorithm: a becomes the greatest common divisor */
+  while (b) { /* Euclid's algorithm: a becomes the greatest common divisor */
     const Wide rest = a % b;
 
     a = b;
@@ -116,34 +109,32 @@ MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, P
   return f;
 }
 
-#define MOST_FACTORS 8
+MpmFraction MpmFractionBetween(const MpmFraction *from, const MpmFraction *to, PetscInt j, PetscInt n)
+{
+  const PetscReal part = (PetscReal)j / (n - 1);
+  MpmFraction     f    = {.value = (1 - part) * from->value + part * to->value};
+  Wide            num, den, more;
+
+  if (j == 0) return *from;
+  if (j == n - 1) return *to;
+  if (!from->den || !to->den) return f;
+  if (__builtin_mul_overflow((Wide)from->den * to->den, n - 1, &den)) return f;
+  if (__builtin_mul_overflow((Wide)from->num * to->den, n - 1 - j, &num)) return f;
+  if (__builtin_mul_overflow((Wide)to->num * from->den, j, &more) || __builtin_add_overflow(num, more, &num)) return f;
+  return Ratio(num, den, f);
+}
 
 MpmFraction MpmFractionProduct(PetscInt n, const MpmFraction factors[])
 {
-  MpmFraction f = {.num = 1, .den = 1, .value = 1};
-  PetscInt64  num[MOST_FACTORS], den[MOST_FACTORS];
-  PetscReal   value = 1;
+  MpmFraction f   = {.value = 1};
+  Wide        num = 1, den = 1;
 
-  for (PetscInt i = 0; i < n; i++) {
-    num[i] = factors[i].num;
-    den[i] = factors[i].den;
-    value *= factors[i].value;
-    if (!den[i]) f.den = 0;
-  }
-  for (PetscInt i = 0; i < n && f.den; i++) /* common factors are cancelled before the products become large */
-    for (PetscInt j = 0; j < n; j++) {
-      const PetscInt64 g = MpmCommonDivisor(num[i], den[j]);
-
-      num[i] /= g;
-      den[j] /= g;
-    }
-  for (PetscInt i = 0; i < n && f.den; i++)
-    if (__builtin_mul_overflow(f.num, num[i], &f.num) || __builtin_mul_overflow(f.den, den[i], &f.den)) f.den = 0;
-  if (!f.den || f.den > LARGEST_TERM || f.num > LARGEST_TERM || f.num < -LARGEST_TERM)
-    return (MpmFraction){.num = 0, .den = 0, .value = value};
-  if (!f.num) f.den = 1;
-  f.value = (PetscReal)f.num / (PetscReal)f.den;
-  return f;
+  for (PetscInt i = 0; i < n; i++) f.value *= factors[i].value;
+  for (PetscInt i = 0; i < n; i++)
+    if (!factors[i].den || __builtin_mul_overflow(num, factors[i].num, &num) ||
+        __builtin_mul_overflow(den, factors[i].den, &den))
+      return f;
+  return Ratio(num, den, f);
 }
 
 static void Exchange(PetscInt64 pair[2])
@@ -154,38 +145,9 @@ static void Exchange(PetscInt64 pair[2])
   pair[1] = kept;
 }
 
-/* The convergents of the continued fraction of abs(value) are the nearest fractions for their denominators. */
-MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most)
-{
-  MpmFraction f      = {.num = 0, .den = 0, .value = value};
-  PetscReal   rest   = PetscAbsReal(value);
-  PetscInt64  num[2] = {0, 1}, den[2] = {1, 0}; /* the last two convergents */
-
-  while (rest <= (PetscReal)LARGEST_TERM) {
-    const PetscInt64 whole = (PetscInt64)floor(rest);
-    PetscInt64       next[2];
-
-    if (__builtin_mul_overflow(whole, num[1], &next[0]) || __builtin_mul_overflow(whole, den[1], &next[1])) break;
-    next[0] += num[0];
-    next[1] += den[0];
-    if (next[1] > most || next[0] > LARGEST_TERM) break;
-    num[0] = num[1];
-    den[0] = den[1];
-    num[1] = next[0];
-    den[1] = next[1];
-    if ((PetscReal)num[1] / (PetscReal)den[1] == PetscAbsReal(value)) {
-      f.num = value < 0 ? -num[1] : num[1];
-      f.den = den[1];
-      break;
-    }
-    if (rest == (PetscReal)whole) break;
-    rest = 1 / (rest - (PetscReal)whole);
-  }
-  return f;
-}
-
 /*
-   The nearest is the last convergent within most, or the largest fraction between it and the next one: with the terms
+   The convergents of the continued fraction of abs(value) are the nearest fractions for their denominators. The nearest
+   of all is the last convergent within most, or the largest fraction between it and the next one: with the terms
    (m p1 + p0) / (m q1 + q0), m as large as most allows.
 */
 MpmFraction MpmFractionNearest(PetscReal value, PetscInt64 most)
@@ -217,6 +179,14 @@ MpmFraction MpmFractionNearest(PetscReal value, PetscInt64 most)
   }
   if (value < 0) Reduce(&f, -f.num, f.den);
   return f;
+}
+
+MpmFraction MpmFractionNear(PetscReal value, PetscInt64 most)
+{
+  MpmFraction f = {.den = 0, .value = value};
+
+  if (PetscAbsReal(value) <= (PetscReal)(LARGEST_TERM / most)) f = MpmFractionNearest(value, most);
+  return f.value == value ? f : (MpmFraction){.den = 0, .value = value};
 }
 
 void MpmFractionMultiple(const MpmFraction *f, PetscInt64 n, PetscInt64 *whole, PetscReal *part)

@@ -333,8 +333,10 @@ PetscBool MpmHdf5ReadAttribute(const MpmHdf5 *f, const char object[], const char
   if (attribute < 0) return PETSC_FALSE;
   space = H5Aget_space(attribute);
   type  = H5Aget_type(attribute);
-  ok    = H5Sget_simple_extent_npoints(space) == 1 && H5Tget_class(type) == H5Tget_class(memory) &&
-               H5Tis_variable_str(type) <= 0 && H5Aread(attribute, memory, value) >= 0
+  ok    = H5Sget_simple_extent_npoints(space) == 1 && H5Tis_variable_str(type) <= 0 &&
+               (H5Tget_class(type) == H5Tget_class(memory) ||
+                (H5Tget_class(type) == H5T_INTEGER && H5Tget_class(memory) == H5T_FLOAT)) &&
+               H5Aread(attribute, memory, value) >= 0
               ? PETSC_TRUE
               : PETSC_FALSE;
   (void)H5Tclose(type);
@@ -355,35 +357,47 @@ static hid_t OpenArray(const MpmHdf5 *f, const char name[])
   return is_here ? array : -1;
 }
 
-/*
-   Opens an array of one dimension whose numbers have the right class, and finds its length. The length is -1 when there
-   is no such array, or when it claims to be longer than the file.
-*/
-static hid_t Find(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 *length)
-{
-  hid_t   array, space, has;
-  hsize_t n = 0, bytes = 0;
+#define DENSEST 1100 /* filters pack at most about so many bytes into one */
+#define MOST_DIMS 32 /* of HDF5 */
 
-  *length = -1;
-  if (H5Lexists(f->file, name, H5P_DEFAULT) <= 0) return -1;
-  array = OpenArray(f, name);
+/*
+   Opens an array of numbers of the class of type, or where that is negative of any, in at most room dimensions. Returns
+   -1 when there is no such array, or when it claims more than the file can hold.
+*/
+static hid_t Find(const MpmHdf5 *f, const char name[], hid_t type, int room, int *dims, PetscInt64 shape[])
+{
+  const hid_t array = MpmHdf5Has(f, name) ? OpenArray(f, name) : -1, space = array < 0 ? -1 : H5Dget_space(array),
+              has             = array < 0 ? -1 : H5Dget_type(array);
+  const H5T_class_t class     = has < 0 ? H5T_NO_CLASS : H5Tget_class(has);
+  hsize_t   extent[MOST_DIMS] = {0}, bytes = 0;
+  PetscReal claimed = array < 0 ? 0 : (PetscReal)H5Tget_size(has) / DENSEST;
+  PetscBool ok;
+
   if (array < 0) return -1;
-  space = H5Dget_space(array);
-  has   = H5Dget_type(array);
-  (void)Try(f, H5Fget_filesize(f->file, &bytes));
-  if (H5Tget_class(has) == H5Tget_class(type) && H5Sget_simple_extent_ndims(space) == 1 &&
-      H5Sget_simple_extent_dims(space, &n, NULL) == 1 && n <= bytes / H5Tget_size(has))
-    *length = (PetscInt64)n;
-  (void)Try(f, H5Tclose(has));
-  (void)Try(f, H5Sclose(space));
-  return array;
+  *dims = H5Sget_simple_extent_ndims(space);
+  ok    = *dims >= 0 && *dims <= room && H5Sget_simple_extent_dims(space, extent, NULL) == *dims &&
+               (type < 0 ? class == H5T_INTEGER || class == H5T_FLOAT : class == H5Tget_class(type)) &&
+               H5Fget_filesize(f->file, &bytes) >= 0
+              ? PETSC_TRUE
+              : PETSC_FALSE;
+  for (int d = 0; d < *dims && ok; d++) {
+    shape[d] = (PetscInt64)extent[d];
+    claimed *= (PetscReal)extent[d];
+  }
+  (void)H5Tclose(has);
+  (void)H5Sclose(space);
+  if (ok && claimed <= (PetscReal)bytes) return array;
+  (void)H5Dclose(array);
+  return -1;
 }
 
 PetscErrorCode MpmHdf5Length(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 *length)
 {
-  const hid_t array = Find(f, name, type, length);
+  int         dims  = 0;
+  const hid_t array = Find(f, name, type, 1, &dims, length);
 
   PetscFunctionBegin;
+  if (array < 0 || dims != 1) *length = -1;
   if (array >= 0) (void)Try(f, H5Dclose(array));
   PetscCallMPI(MPI_Bcast(length, 1, MPIU_INT64, 0, f->comm));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -392,12 +406,13 @@ PetscErrorCode MpmHdf5Length(MpmHdf5 *f, const char name[], hid_t type, PetscInt
 void MpmHdf5Read(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 begin, PetscInt64 n, void *part)
 {
   const hsize_t offset = (hsize_t)begin, count = (hsize_t)n;
-  PetscInt64    length;
+  PetscInt64    length = 0;
+  int           dims   = 0;
   hid_t         array, space, memory;
 
   if (n == 0) return;
-  array = Find(f, name, type, &length);
-  if (array < 0 || begin + n > length) f->failed = PETSC_TRUE;
+  array = Find(f, name, type, 1, &dims, &length);
+  if (array < 0 || dims != 1 || begin + n > length) f->failed = PETSC_TRUE;
   space  = Try(f, H5Dget_space(array));
   memory = Try(f, H5Screate_simple(1, &count, NULL));
   (void)Try(f, H5Sselect_hyperslab(space, H5S_SELECT_SET, &offset, NULL, &count, NULL));
@@ -407,35 +422,12 @@ void MpmHdf5Read(MpmHdf5 *f, const char name[], hid_t type, PetscInt64 begin, Pe
   if (array >= 0) (void)H5Dclose(array);
 }
 
-#define DENSEST 1100 /* filters pack at most about so many bytes into one */
-#define MOST_DIMS 32 /* of HDF5 */
-
 PetscBool MpmHdf5Array(const MpmHdf5 *f, const char name[], int room, int *dims, PetscInt64 shape[])
 {
-  hid_t     array, space, type;
-  hsize_t   extent[MOST_DIMS] = {0}, bytes = 0;
-  PetscReal claimed;
-  PetscBool ok;
+  const hid_t array = Find(f, name, -1, room, dims, shape);
 
-  if (!MpmHdf5Has(f, name)) return PETSC_FALSE;
-  array = OpenArray(f, name);
-  if (array < 0) return PETSC_FALSE; /* a group */
-  space   = H5Dget_space(array);
-  type    = H5Dget_type(array);
-  *dims   = H5Sget_simple_extent_ndims(space);
-  ok      = *dims >= 0 && *dims <= room && (H5Tget_class(type) == H5T_INTEGER || H5Tget_class(type) == H5T_FLOAT) &&
-               H5Fget_filesize(f->file, &bytes) >= 0 && H5Sget_simple_extent_dims(space, extent, NULL) == *dims
-                ? PETSC_TRUE
-                : PETSC_FALSE;
-  claimed = (PetscReal)H5Tget_size(type) / DENSEST;
-  for (int d = 0; d < *dims && ok; d++) {
-    shape[d] = (PetscInt64)extent[d];
-    claimed *= (PetscReal)extent[d];
-  }
-  (void)H5Tclose(type);
-  (void)H5Sclose(space);
-  (void)H5Dclose(array);
-  return ok && claimed <= (PetscReal)bytes ? PETSC_TRUE : PETSC_FALSE;
+  if (array >= 0) (void)H5Dclose(array);
+  return array >= 0 ? PETSC_TRUE : PETSC_FALSE;
 }
 
 void MpmHdf5ReadArray(MpmHdf5 *f, const char name[], PetscReal numbers[])
@@ -450,23 +442,26 @@ void MpmHdf5ReadArray(MpmHdf5 *f, const char name[], PetscReal numbers[])
 PetscBool MpmHdf5ReadText(const MpmHdf5 *f, const char object[], const char name[], size_t room, char text[])
 {
   const hid_t attribute = H5Aopen_by_name(f->file, object, name, H5P_DEFAULT, H5P_DEFAULT);
-  hid_t       type, space;
-  char       *variable = NULL, fixed[64] = "";
+  hid_t       type, space, memory;
+  char       *variable = NULL;
   PetscBool   ok;
 
   text[0] = '\0';
   if (attribute < 0) return PETSC_FALSE;
-  type  = H5Aget_type(attribute);
-  space = H5Aget_space(attribute);
-  ok    = H5Tget_class(type) == H5T_STRING && H5Sget_simple_extent_npoints(space) == 1 ? PETSC_TRUE : PETSC_FALSE;
+  type   = H5Aget_type(attribute);
+  space  = H5Aget_space(attribute);
+  memory = H5Tcopy(H5T_C_S1);
+  ok = H5Tget_class(type) == H5T_STRING && H5Sget_simple_extent_npoints(space) == 1 && H5Tset_size(memory, room) >= 0
+           ? PETSC_TRUE
+           : PETSC_FALSE;
   if (ok && H5Tis_variable_str(type) > 0) {
     ok = H5Aread(attribute, type, &variable) >= 0 && variable ? PETSC_TRUE : PETSC_FALSE;
     if (ok) (void)PetscStrncpy(text, variable, room);
     (void)H5free_memory(variable);
-  } else if (ok) {
-    ok = H5Tget_size(type) < sizeof fixed && H5Aread(attribute, type, fixed) >= 0 ? PETSC_TRUE : PETSC_FALSE;
-    if (ok) (void)PetscStrncpy(text, fixed, room);
-  }
+  } else if (ok)
+    ok = H5Aread(attribute, memory, text) >= 0 ? PETSC_TRUE : PETSC_FALSE;
+  text[room - 1] = '\0';
+  (void)H5Tclose(memory);
   (void)H5Tclose(type);
   (void)H5Sclose(space);
   (void)H5Aclose(attribute);

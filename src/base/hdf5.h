@@ -63,8 +63,8 @@ void MpmHdf5WriteInteger(MpmHdf5 *file, const char object[], const char name[], 
 PetscBool MpmHdf5Has(const MpmHdf5 *file, const char name[]);
 
 /*
-   MpmHdf5ReadAttribute - reads one value as the memory type given. It refuses an attribute of another class, an array,
-   and a text of variable length, which would not fit.
+   MpmHdf5ReadAttribute - reads one value as the memory type given, a whole number also as a real one. It refuses an
+   attribute of another class, an array, and a text of variable length, which would not fit.
 
    Not collective. Returns whether the value has been read.
 */

@@ -51,14 +51,16 @@ void MpmLaunchRefuse(const char what[], const char why[])
     (void)sleep(1);
 }
 
+int MpmLaunchGrants(size_t bytes)
+{
+  void *space = mmap(NULL, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+
+  return space != MAP_FAILED && !munmap(space, bytes);
+}
+
 int MpmLaunchMemory(void)
 {
-  void *space = mmap(NULL, START_BYTES, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-
-  if (space != MAP_FAILED) {
-    (void)munmap(space, START_BYTES);
-    return 1;
-  }
+  if (MpmLaunchGrants(START_BYTES)) return 1;
   MpmLaunchRefuse("memory", "the shell grants too little to start with (ulimit -v); allowed: 0.4 GB more");
   return 0;
 }

@@ -24,9 +24,10 @@ void MpmLaunchStandardFiles(void);
    MpmLaunchMemory - returns whether the shell grants the address space (ulimit -v) that MPI and LAPACK start with.
    Otherwise the first rank says so. Without it Open MPI prints several lines of its own, or ends without any.
 
-   Not collective; call it before MPI_Init.
+   Not collective; call it before MPI_Init. MpmLaunchGrants: whether it grants so many bytes more.
 */
 int MpmLaunchMemory(void);
+int MpmLaunchGrants(size_t bytes);
 
 /* Not collective. The first rank alone prints a refusal: what it is about, and why with what is allowed. */
 void MpmLaunchRefuse(const char what[], const char why[]);

@@ -1,10 +1,9 @@
 /* Compares the memory that a task needs with the memory that the machine has left. */
-#define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
+#include "base/launch.h"
 #include "base/memory.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <stdio.h>
-#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -84,11 +83,9 @@ void MpmMemoryRoom(PetscReal bytes, size_t room, char why[])
 
 PetscErrorCode MpmMemoryCheckLapack(void)
 {
-  void *buffer = mmap(NULL, LAPACK_BYTES, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  int   fits   = buffer != MAP_FAILED;
+  int fits = MpmLaunchGrants(LAPACK_BYTES);
 
   PetscFunctionBegin;
-  if (fits) (void)munmap(buffer, LAPACK_BYTES);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &fits, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD));
   MpmCheckInput(fits, "memory: the shell grants too little to start with (ulimit -v); allowed: 0.2 GB more");
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -76,9 +76,11 @@ PetscBool MpmFileHasEnding(const char path[], const char endings[])
 #define MOST_HOST 32 /* characters of the host's name; the name of a file has at most 255 */
 #define MOST_NAMES 8 /* random names to try */
 
+/* stream: of a text file that is open, else NULL. */
 static struct {
-  char part[PETSC_MAX_PATH_LEN];
-  int  descriptor;
+  char  part[PETSC_MAX_PATH_LEN];
+  int   descriptor;
+  FILE *stream;
 } files[MOST];
 
 /* Writes the host's name in characters that are safe in the name of a file. */
@@ -136,14 +138,6 @@ static int Find(const char part[])
   for (int i = 0; i < MOST; i++)
     if (files[i].part[0] && !strcmp(files[i].part, part)) return i;
   return -1;
-}
-
-/* The descriptor of an unfinished file, open for reading and writing; or -1. */
-static int DescriptorOf(const char part[])
-{
-  const int i = Find(part);
-
-  return i < 0 ? -1 : files[i].descriptor;
 }
 
 static void Forget(int i)
@@ -250,10 +244,7 @@ static void ClearParts(const char path[])
   (void)closedir(entries);
 }
 
-#define NOT_A_FILE -1  /* a value that errno never has */
-#define MOST_STREAMS 8 /* text files that are open at the same time */
-
-static FILE *streams[MOST_STREAMS]; /* those that are open, on the first rank */
+#define NOT_A_FILE -1 /* a value that errno never has */
 
 const char *MpmFileReason(int error)
 {
@@ -337,30 +328,28 @@ PetscErrorCode MpmFileFinish(MPI_Comm comm, const char path[], const char part[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Closes a stream. Returns an errno. */
-static int CloseStream(FILE *stream)
+/* Closes the stream of an unfinished file. Returns an errno. */
+static int CloseStream(int i)
 {
-  for (int i = 0; i < MOST_STREAMS; i++)
-    if (streams[i] == stream) streams[i] = NULL;
+  FILE *stream = files[i].stream;
+
+  files[i].stream = NULL;
   return fclose(stream) ? errno : 0;
 }
 
 static int OpenStream(MpmTextFile *file)
 {
-  int i = 0, own;
+  const int i = Find(file->part), own = dup(files[i].descriptor);
 
-  while (i < MOST_STREAMS && streams[i]) i++;
-  if (i == MOST_STREAMS) return EMFILE;
-  own = dup(DescriptorOf(file->part));
   if (own < 0) return errno;
-  file->stream = streams[i] = fdopen(own, "w+");
+  file->stream = files[i].stream = fdopen(own, "w+");
   return file->stream ? 0 : errno;
 }
 
 void MpmTextFileAbandon(void)
 {
-  for (int i = 0; i < MOST_STREAMS; i++)
-    if (streams[i]) (void)CloseStream(streams[i]);
+  for (int i = 0; i < MOST; i++)
+    if (files[i].stream) (void)CloseStream(i);
 }
 
 PetscErrorCode MpmTextFileOpen(const char path[], MpmTextFile *file)
@@ -418,7 +407,7 @@ PetscErrorCode MpmTextFileSoFar(const MpmTextFile *file, char **text)
 void MpmTextFileDrop(MpmTextFile *file)
 {
   if (!file->stream) return;
-  (void)CloseStream(file->stream);
+  (void)CloseStream(Find(file->part));
   file->stream = NULL;
   MpmUnfinishedDrop(file->part);
 }
@@ -431,9 +420,9 @@ PetscErrorCode MpmTextFileClose(MpmTextFile *file)
   if (file->stream) {
     if (fflush(file->stream) || ferror(file->stream)) error = errno ? errno : EIO;
     if (error)
-      (void)CloseStream(file->stream);
+      (void)CloseStream(Find(file->part));
     else
-      error = CloseStream(file->stream);
+      error = CloseStream(Find(file->part));
     file->stream = NULL;
     if (error)
       MpmUnfinishedDrop(file->part);

@@ -107,12 +107,6 @@ static PetscErrorCode ReadNamed(MpmHdf5 *file, const char group[], const char na
   } else if (MpmHdf5ReadAttribute(file, object, name, H5T_NATIVE_DOUBLE, &number)) {
     PetscCall(MpmArraysAdd(arrays, name, 0, NULL, &a));
     a->real[0] = number;
-  } else {
-    int64_t whole;
-
-    if (!MpmHdf5ReadAttribute(file, object, name, H5T_NATIVE_INT64, &whole)) PetscFunctionReturn(PETSC_SUCCESS);
-    PetscCall(MpmArraysAdd(arrays, name, 0, NULL, &a));
-    a->real[0] = (PetscReal)whole;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -110,3 +110,17 @@ PetscErrorCode MpmDataFileArray(MpmDataFile *file, const char group[], const cha
   PetscCall(MpmHdf5Write(&file->hdf5, path, H5T_NATIVE_DOUBLE, MpmRankOf(file->hdf5.comm) ? 0 : rows, columns, values));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
+
+PetscErrorCode MpmDataFileVector(MpmDataFile *file, const char path[], PetscInt n, const PetscInt row[], Vec vector)
+{
+  const PetscReal *values;
+  PetscInt         size, width;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetLocalSize(vector, &size));
+  PetscCall(VecGetBlockSize(vector, &width));
+  PetscCall(VecGetArrayRead(vector, &values));
+  PetscCall(MpmHdf5WriteRows(&file->hdf5, path, H5T_NATIVE_DOUBLE, n ? size / width : size, n, row, values));
+  PetscCall(VecRestoreArrayRead(vector, &values));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}

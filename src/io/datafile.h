@@ -2,6 +2,7 @@
 #pragma once
 #include "base/hdf5.h"
 #include "scene/request.h"
+#include <petscvec.h>
 
 typedef struct MpmDataFile MpmDataFile;
 struct MpmDataFile {
@@ -30,3 +31,6 @@ PetscErrorCode MpmDataFileDrop(MpmDataFile *file);
 /* Collective. Writes rows x columns numbers that rank 0 holds; one column makes a vector. */
 PetscErrorCode MpmDataFileArray(MpmDataFile *file, const char group[], const char name[], PetscInt rows,
                                 PetscInt columns, const PetscReal values[]);
+
+/* Collective. Writes a vector; each of its blocks is a row of n dimensions, 0: a number. */
+PetscErrorCode MpmDataFileVector(MpmDataFile *file, const char path[], PetscInt n, const PetscInt row[], Vec vector);

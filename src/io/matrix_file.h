@@ -13,12 +13,53 @@
 */
 #pragma once
 #include "io/arrays.h"
-#include "probe/hooked.h"
+#include "probe/certificates.h"
 #include "scene/request.h"
 #include "symbol/blocks.h"
 #include <petscmat.h>
 
 #define MPM_MATRIX_ENTRIES 3e8 /* the most that a file may have */
+
+/*
+   What the hook says of a matrix in the comments of its Matrix Market file (include/mpmstab_probe.h): how far the
+   matrix can be trusted, and where the particles are.
+
+     % steps: 8              that the matrix covers; anybody may write this one
+     % numbers: 3            of a particle; unknowns are particle by particle
+     % cell_width: 0.0625
+     % period: 1 0           of the grid in each direction; 0: none
+     % size: 7.6e-06         of the perturbations, in the scales of the fields; in single precision also '% single: 1'
+     % moved: 0              and the other certificates
+     % scale: 1              of a number of a particle; one comment for each
+     % field_scale: 1 found v     of a field, from where it is known, and its name; one comment for each
+     % at: 0.015625          a particle's place; one comment for each
+*/
+#define MPM_HOOKED_NUMBERS 1024 /* of a particle whose scales are kept */
+
+/*S
+   MpmHooked - value: of certificates, NaN of those that are not said; other numbers are then 0. x: the places,
+   MPM_MAX_DIM numbers a particle, of which the file has place_dim. given: which comments were there.
+S*/
+typedef struct {
+  PetscReal  value[MPM_CERTIFICATES], size, single, numbers, cell_width, period[MPM_MAX_DIM], steps;
+  PetscInt   dim, place_dim;
+  unsigned   given;
+  PetscInt64 places, room, scales;
+  PetscReal *x, scale[MPM_HOOKED_NUMBERS];
+
+  PetscInt      nfields;
+  MpmFieldScale field[MPM_STEPPER_FIELDS];
+} MpmHooked;
+
+/*
+   Not collective. MpmHookedBegin - begins with nothing said. MpmHookedFree - frees the places.
+   MpmHookedCertificates - gives all ranks what the first one has read. tolerance: of the verdict; single precision has
+   a larger one. Collective.
+*/
+void           MpmHookedBegin(MpmHooked *hooked);
+PetscErrorCode MpmHookedFree(MpmHooked *hooked);
+PetscErrorCode MpmHookedCertificates(MPI_Comm comm, const MpmHooked *hooked, PetscReal tolerance,
+                                     MpmCertificates *certificates);
 
 /*S
    MpmEntries - the entries of a matrix that is read, in any order, with room for a diagonal; those of one place are

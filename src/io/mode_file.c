@@ -10,7 +10,6 @@
 #include <mpmstab/errors.h>
 #include <mpmstab/verdict.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -29,27 +28,16 @@ static void NameGroup(const MpmScene *scene, char group[], size_t room)
 }
 
 /* Keeps the first fault, since the refusal names only one. */
-__attribute__((format(printf, 2, 3))) static void Wrong(Check *c, const char format[], ...)
-{
-  va_list arguments;
-
-  if (c->why[0]) return;
-  va_start(arguments, format);
-  (void)vsnprintf(c->why, sizeof c->why, format, arguments);
-  va_end(arguments);
-}
+#define Wrong(c, ...) (void)((c)->why[0] || snprintf((c)->why, sizeof(c)->why, __VA_ARGS__))
 
 static void SameText(Check *c, const char name[], const char mine[])
 {
-  const hid_t text                   = H5Tcopy(H5T_C_S1);
-  char        their[MPM_COUNTS_TEXT] = "";
+  char their[MPM_COUNTS_TEXT];
 
-  (void)H5Tset_size(text, sizeof their);
-  if (!MpmHdf5ReadAttribute(&c->file, "/", name, text, their))
+  if (!MpmHdf5ReadText(&c->file, "/", name, sizeof their, their))
     Wrong(c, "no %s in it; " WRITTEN, name);
-  else if (strncmp(mine, their, sizeof their))
-    Wrong(c, "its %s is %.*s, the scene's is %s; allowed: the same", name, (int)sizeof their, their, mine);
-  (void)H5Tclose(text);
+  else if (strcmp(mine, their))
+    Wrong(c, "its %s is %s, the scene's is %s; allowed: the same", name, their, mine);
 }
 
 static void SameNumber(Check *c, const char name[], PetscReal mine)
@@ -322,20 +310,6 @@ static PetscErrorCode WriteCoordinates(const MpmLayout *layout, PetscReal cell_w
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Writes one field of the real or the imaginary part of an eigenvector. */
-static PetscErrorCode WriteField(const char name[], Vec field, MpmDataFile *file)
-{
-  const PetscReal *values;
-  PetscInt         n;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetLocalSize(field, &n));
-  PetscCall(VecGetArrayRead(field, &values));
-  PetscCall(MpmHdf5Write(&file->hdf5, name, H5T_NATIVE_DOUBLE, n, 1, values));
-  PetscCall(VecRestoreArrayRead(field, &values));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* fields: the names of the parts of a vector; NULL: it is a whole, in the order of its rows. */
 static PetscErrorCode WriteModes(const MpmOperator *op, const char *const fields[], const MpmEigen *eigen,
                                  PetscInt count, MpmDataFile *file)
@@ -356,7 +330,7 @@ static PetscErrorCode WriteModes(const MpmOperator *op, const char *const fields
         if (fields) PetscCall(VecStrideGather(x[part], f, field, INSERT_VALUES));
         (void)snprintf(name, sizeof name, "/modes/%04" PetscInt_FMT "/%s_%s", j + 1, fields ? fields[f] : "vector",
                        parts[part]);
-        PetscCall(WriteField(name, fields ? field : x[part], file));
+        PetscCall(MpmDataFileVector(file, name, 0, NULL, fields ? field : x[part]));
       }
     }
     WriteEigenvalue(op, eigen, j, file);

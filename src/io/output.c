@@ -195,17 +195,11 @@ static PetscReal UnitOf(const MpmMarch *march, PetscInt field)
 static PetscErrorCode WriteVector(MpmOutput *output, Vec vector, PetscInt n, const PetscInt row[], const char place[],
                                   const char name[])
 {
-  const PetscReal *values;
-  PetscInt         size, width;
-  char             path[128];
+  char path[128];
 
   PetscFunctionBegin;
   (void)snprintf(path, sizeof path, "%s/%s", place, name);
-  PetscCall(VecGetLocalSize(vector, &size));
-  PetscCall(VecGetBlockSize(vector, &width));
-  PetscCall(VecGetArrayRead(vector, &values));
-  PetscCall(MpmHdf5WriteRows(&output->file.hdf5, path, H5T_NATIVE_DOUBLE, size / width, n, row, values));
-  PetscCall(VecRestoreArrayRead(vector, &values));
+  PetscCall(MpmDataFileVector(&output->file, path, n, row, vector));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -2,7 +2,6 @@
 #include "probe/lattice.h"
 #include "probe/columns.h"
 #include "base/hash.h"
-#include "probe/columns.h"
 #include <mpmstab/errors.h>
 #include <math.h>
 #include <string.h>

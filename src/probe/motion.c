@@ -179,6 +179,14 @@ PetscErrorCode MpmMotionSource(const MpmMotion *m, PetscBool other, const char n
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+static PetscErrorCode Forget(MpmMotion *m)
+{
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < m->n; k++)
+    for (int size = 0; size < 2; size++) PetscCall(MpmProbedFree(&m->probed[size][k]));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmMotionJudgeWaves(MpmProgram *p, MpmMotion *m, const PetscInt phases[], PetscReal beta[],
                                    MpmFinding *f)
 {
@@ -190,7 +198,7 @@ PetscErrorCode MpmMotionJudgeWaves(MpmProgram *p, MpmMotion *m, const PetscInt p
   for (int size = 0; size < 2; size++)
     PetscCall(MpmMotionSource(m, (PetscBool)size, p->stepper->name, &steps[size], &source[size]));
   PetscCall(MpmProgramJudgeSources(p, source, phases, beta, f));
-  PetscCall(MpmMotionForget(m));
+  PetscCall(Forget(m));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -218,18 +226,10 @@ PetscErrorCode MpmMotionMatrix(MpmProgram *p, const MpmMotion *m, PetscBool othe
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmMotionForget(MpmMotion *m)
-{
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < m->n; k++)
-    for (int size = 0; size < 2; size++) PetscCall(MpmProbedFree(&m->probed[size][k]));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmMotionDestroy(MpmMotion *m)
 {
   PetscFunctionBegin;
-  PetscCall(MpmMotionForget(m));
+  PetscCall(Forget(m));
   PetscCall(PetscFree(m->start));
   m->n = 0;
   PetscFunctionReturn(PETSC_SUCCESS);

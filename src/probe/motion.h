@@ -30,7 +30,6 @@ typedef struct {
    MpmMotionBegin - takes the drift that a request names; a Mach number is one over the Courant number of the code's
    long waves, for which a cell is probed. MpmMotionFind - probes the steps of the period. certificates: of each place
    the one that holds least.
-   MpmMotionForget - forgets these steps.
 
    Collective. The program must be prepared. Errors: PETSC_ERR_USER_INPUT where the code has no places, moves by
    itself, or a period is too long.
@@ -42,7 +41,6 @@ typedef struct {
 */
 PetscErrorCode MpmMotionBegin(MpmProgram *program, MpmMotion *motion);
 PetscErrorCode MpmMotionFind(MpmProgram *program, MpmMotion *motion);
-PetscErrorCode MpmMotionForget(MpmMotion *motion);
 PetscErrorCode MpmMotionDestroy(MpmMotion *motion);
 PetscErrorCode MpmMotionGoTo(MpmProgram *program, const MpmMotion *motion, PetscInt n);
 PetscErrorCode MpmMotionReturn(MpmProgram *program, const MpmMotion *motion);

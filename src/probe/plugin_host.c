@@ -85,10 +85,10 @@ static int Open(Host *h, const char path[])
    Takes the size of the state from the description, 0 when that is wrong, which its reader says; and writes it as one
    line, with the states that may come in one request. What is no JSON goes as it is: its reader says so.
 */
-static void WriteDescription(Host *h, const char text[])
+static void WriteDescription(Host *h, const char text[], json_t *description)
 {
-  json_t *description = json_loads(text, 0, NULL), *field;
-  size_t  f;
+  const json_t *field;
+  size_t        f;
 
   h->particles = (size_t)json_integer_value(json_object_get(description, "particles"));
   h->dim       = (size_t)json_integer_value(json_object_get(description, "dim"));
@@ -103,35 +103,27 @@ static void WriteDescription(Host *h, const char text[])
     (void)json_dumpf(description, h->out, JSON_COMPACT | JSON_REAL_PRECISION(17));
   }
   (void)fputc('\n', h->out);
-  json_decref(description);
-}
-
-/* Whether a description says that the library takes the particles of a scene. */
-static int TakesScenes(const char text[])
-{
-  json_t   *description = json_loads(text, 0, NULL);
-  const int takes       = json_is_true(json_object_get(description, "scenes"));
-
-  json_decref(description);
-  return takes;
 }
 
 static void Describe(Host *h, const char path[])
 {
   const double *state = NULL;
   const char   *text;
+  json_t       *description;
 
   if (!h->library && !Open(h, path)) return;
-  text = h->describe(&state);
+  text        = h->describe(&state);
+  description = text ? json_loads(text, 0, NULL) : NULL;
   if (!text)
     Fail(h, "describe: %.*s", SAID, Said(h));
-  else if (!state && !TakesScenes(text))
+  else if (!state && !json_is_true(json_object_get(description, "scenes")))
     Fail(h, "describe gives no base state");
   else {
-    WriteDescription(h, text);
+    WriteDescription(h, text, description);
     (void)fflush(h->out); /* what it says of a state may not be so */
     if (state) (void)fwrite(state, sizeof *state, h->particles * h->width, h->out);
   }
+  json_decref(description);
 }
 
 static void Set(Host *h, json_t *message)

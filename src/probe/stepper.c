@@ -19,22 +19,14 @@
 #include "probe/plugin_host.h"
 #include <mpmstab/errors.h>
 #include <math.h>
-#include <stdarg.h>
 #include <string.h>
 #include <unistd.h>
 
 #define PROTOCOL 1
 #define WROTE 900 /* bytes of standard error in a message */
 
-void MpmStepperFail(MpmStepper *s, const char format[], ...)
-{
-  va_list arguments;
-
-  if (s->failure[0]) return;
-  va_start(arguments, format);
-  (void)vsnprintf(s->failure, sizeof s->failure, format, arguments);
-  va_end(arguments);
-}
+/* Notes a failure, unless there is one already. */
+#define Fail(s, ...) (void)((s)->failure[0] || snprintf((s)->failure, sizeof(s)->failure, __VA_ARGS__))
 
 /* The message is that of the first rank which has failed, so that it is said once. */
 PetscErrorCode MpmStepperAgree(MpmStepper *s)
@@ -66,7 +58,7 @@ static void TakeFailure(MpmStepper *s)
   (void)snprintf(wrote, sizeof wrote, "%.*s", (int)PetscMin(length, sizeof wrote - 1), errors);
   for (char *c = wrote; *c; c++)
     if (*c == '\n') *c = '|';
-  MpmStepperFail(s, "%s %s%s%s", s->whose, failure, wrote[0] ? "; it wrote: " : "", wrote);
+  Fail(s, "%s %s%s%s", s->whose, failure, wrote[0] ? "; it wrote: " : "", wrote);
 }
 
 /*
@@ -91,14 +83,14 @@ static PetscErrorCode Ask(MpmStepper *s, const char what[], json_t *command, con
   failure = json_string_value(json_object_get(*answer, "failure"));
   error   = json_string_value(json_object_get(*answer, "error"));
   if (!json_is_object(*answer))
-    MpmStepperFail(s,
-                   what ? "%s: its answer is not a line of JSON: %.80s"
-                        : "%sdoes not describe itself with an object of JSON: %.80s",
-                   what ? what : "", said);
+    Fail(s,
+         what ? "%s: its answer is not a line of JSON: %.80s"
+              : "%sdoes not describe itself with an object of JSON: %.80s",
+         what ? what : "", said);
   else if (failure)
-    MpmStepperFail(s, "%s", failure);
+    Fail(s, "%s", failure);
   else if (error)
-    MpmStepperFail(s, "%s%s%.400s", what ? what : "", what ? ": the program says: " : "says: ", error);
+    Fail(s, "%s%s%.400s", what ? what : "", what ? ": the program says: " : "says: ", error);
   if (!s->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
   json_decref(*answer);
   *answer = NULL;
@@ -125,8 +117,8 @@ static void CheckFinite(MpmStepper *s, const char what[], PetscInt64 particles, 
 
     if (isfinite(state[i])) continue;
     while (f + 1 < s->nfields && s->fields[f + 1].first <= number) f++;
-    MpmStepperFail(s, "%s has a number that is not finite: %s of particle %" PetscInt64_FMT, what, s->fields[f].name,
-                   i / s->width % particles);
+    Fail(s, "%s has a number that is not finite: %s of particle %" PetscInt64_FMT, what, s->fields[f].name,
+         i / s->width % particles);
     break;
   }
 }
@@ -140,9 +132,9 @@ PetscErrorCode MpmStepperBegin(MpmStepper *s)
   if (!s->failure[0]) CheckFinite(s, "the base state", s->particles, 1, s->base);
   PetscCall(MpmStepperAgree(s));
   PetscCallMPI(MPI_Allreduce(&n, &most, 1, MPIU_INT64, MPI_MAX, PETSC_COMM_WORLD));
-  if (n != most) MpmStepperFail(s, "it describes itself in another way on each rank");
+  if (n != most) Fail(s, "it describes itself in another way on each rank");
   PetscCall(MpmStepperAgree(s));
-  if (most > PETSC_MPI_INT_MAX) MpmStepperFail(s, "its state has more than %d numbers", PETSC_MPI_INT_MAX);
+  if (most > PETSC_MPI_INT_MAX) Fail(s, "its state has more than %d numbers", PETSC_MPI_INT_MAX);
   PetscCall(MpmStepperAgree(s));
   PetscCallMPI(MPI_Bcast(s->base, (PetscMPIInt)most, MPIU_REAL, 0, PETSC_COMM_WORLD));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -158,8 +150,8 @@ static void Whole(MpmStepper *s, const json_t *object, const char key[], json_in
 
   *value = PetscMax(least, 0);
   if (!number || !json_is_integer(number) || given < least || given > most)
-    MpmStepperFail(s, "its description has %s %s; needed: a whole number from %lld to %lld", number ? "a wrong" : "no",
-                   key, (long long)least, (long long)most);
+    Fail(s, "its description has %s %s; needed: a whole number from %lld to %lld", number ? "a wrong" : "no", key,
+         (long long)least, (long long)most);
   else
     *value = given;
 }
@@ -169,7 +161,7 @@ static void TakeName(MpmStepper *s, const json_t *object, const char of[], char 
   const char *given = json_string_value(json_object_get(object, "name"));
 
   if (!given || !given[0] || strlen(given) >= MPM_STEPPER_NAME)
-    MpmStepperFail(s, "its description has no name of %s; needed: 1 to %d characters", of, MPM_STEPPER_NAME - 1);
+    Fail(s, "its description has no name of %s; needed: 1 to %d characters", of, MPM_STEPPER_NAME - 1);
   else
     (void)snprintf(name, MPM_STEPPER_NAME, "%s", given);
 }
@@ -177,7 +169,7 @@ static void TakeName(MpmStepper *s, const json_t *object, const char of[], char 
 static void TakeFields(MpmStepper *s, const json_t *fields)
 {
   if (!json_is_array(fields) || json_array_size(fields) == 0 || json_array_size(fields) > MPM_STEPPER_FIELDS) {
-    MpmStepperFail(s, "its description has no fields; needed: 1 to %d of them", MPM_STEPPER_FIELDS);
+    Fail(s, "its description has no fields; needed: 1 to %d of them", MPM_STEPPER_FIELDS);
     return;
   }
   for (size_t f = 0; f < json_array_size(fields); f++) {
@@ -192,19 +184,19 @@ static void TakeFields(MpmStepper *s, const json_t *fields)
     field->first = s->width;
     field->scale = json_number_value(scale);
     if (scale && !(field->scale > 0 && isfinite(field->scale)))
-      MpmStepperFail(s, "field %s: its scale is no number above 0", field->name);
+      Fail(s, "field %s: its scale is no number above 0", field->name);
     if (json_is_true(json_object_get(of, "place"))) {
-      if (s->place != MPM_NONE) MpmStepperFail(s, "two fields are the place; allowed: one");
+      if (s->place != MPM_NONE) Fail(s, "two fields are the place; allowed: one");
       if (field->size != s->dim)
-        MpmStepperFail(s, "field %s is the place and has size %" PetscInt_FMT "; needed: dim, which is %" PetscInt_FMT,
-                       field->name, field->size, s->dim);
+        Fail(s, "field %s is the place and has size %" PetscInt_FMT "; needed: dim, which is %" PetscInt_FMT,
+             field->name, field->size, s->dim);
       s->place = s->nfields;
     }
     s->width += field->size;
     s->nfields++;
   }
   if (s->width > MPM_STEPPER_WIDTH)
-    MpmStepperFail(s, "a particle has %" PetscInt_FMT " numbers; allowed: up to %d", s->width, MPM_STEPPER_WIDTH);
+    Fail(s, "a particle has %" PetscInt_FMT " numbers; allowed: up to %d", s->width, MPM_STEPPER_WIDTH);
 }
 
 static void TakeParameters(MpmStepper *s, json_t *parameters)
@@ -215,7 +207,7 @@ static void TakeParameters(MpmStepper *s, json_t *parameters)
   json_object_foreach(parameters, name, value)
   {
     if (s->nparameters == MPM_STEPPER_PARAMETERS || strlen(name) >= MPM_STEPPER_NAME || !json_is_number(value)) {
-      MpmStepperFail(s, "parameter %.60s is no number, or there are more than %d", name, MPM_STEPPER_PARAMETERS);
+      Fail(s, "parameter %.60s is no number, or there are more than %d", name, MPM_STEPPER_PARAMETERS);
       return;
     }
     (void)snprintf(s->parameters[s->nparameters].name, MPM_STEPPER_NAME, "%s", name);
@@ -230,17 +222,17 @@ static void TakeGrid(MpmStepper *s, const json_t *description)
 
   s->cell_width = json_number_value(width);
   if (!(s->cell_width > 0) || !isfinite(s->cell_width))
-    MpmStepperFail(s, "its description has no cell_width; needed: a number above 0");
+    Fail(s, "its description has no cell_width; needed: a number above 0");
   s->has_periods = json_is_array(periods) ? PETSC_TRUE : PETSC_FALSE;
   if (periods && !json_is_null(periods) && (!json_is_array(periods) || json_array_size(periods) != (size_t)s->dim))
-    MpmStepperFail(s, "its description has a wrong periodic; needed: for each direction a period or null");
+    Fail(s, "its description has a wrong periodic; needed: for each direction a period or null");
   for (PetscInt a = 0; a < s->dim && json_is_array(periods) && !s->failure[0]; a++) {
     const json_t *period = json_array_get(periods, (size_t)a);
 
     if (!period || json_is_null(period)) continue;
     s->period[a] = json_number_value(period);
     if (!(s->period[a] > 0) || !isfinite(s->period[a]))
-      MpmStepperFail(s, "its description has a period that is no number above 0");
+      Fail(s, "its description has a period that is no number above 0");
   }
 }
 
@@ -252,7 +244,7 @@ static PetscErrorCode TakeCells(MpmStepper *s, const json_t *cells)
   PetscFunctionBegin;
   if (!cells || s->failure[0]) PetscFunctionReturn(PETSC_SUCCESS);
   if (!json_is_array(cells) || (json_array_size(cells) != n && json_array_size(cells) != n * dim)) {
-    MpmStepperFail(s, "its description has a wrong cell; needed: dim whole numbers for each particle");
+    Fail(s, "its description has a wrong cell; needed: dim whole numbers for each particle");
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(PetscMalloc1(n * dim, &s->cell));
@@ -260,7 +252,7 @@ static PetscErrorCode TakeCells(MpmStepper *s, const json_t *cells)
     const json_t *one = json_array_size(cells) == n * dim ? json_array_get(cells, i) : json_array_get(cells, i / dim);
 
     if (json_is_array(one)) one = json_array_get(one, i % dim);
-    if (!json_is_integer(one)) MpmStepperFail(s, "its description has a cell that is no whole number");
+    if (!json_is_integer(one)) Fail(s, "its description has a cell that is no whole number");
     s->cell[i] = (PetscInt)json_integer_value(one);
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -474,7 +466,7 @@ PetscErrorCode MpmStepperSet(MpmStepper *s, const char name[], PetscReal value)
   MpmStepperParameterOf(s, name, &start, &found);
   if (!found) {
     PetscCall(MpmStepperParameterNames(s, &names));
-    MpmStepperFail(s, "it has no parameter %.200s; allowed: %s", name, names.text);
+    Fail(s, "it has no parameter %.200s; allowed: %s", name, names.text);
     MpmTextFree(&names);
   }
   (void)snprintf(what, sizeof what, "set %s to %.17g", name, (double)value);

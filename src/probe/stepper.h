@@ -139,6 +139,3 @@ PetscErrorCode MpmStepperAgree(MpmStepper *stepper);
 
 /* Collective. Checks a base state that is new, and gives all ranks that of the first one. */
 PetscErrorCode MpmStepperBegin(MpmStepper *stepper);
-
-/* Not collective. Notes a failure, unless there is one already. */
-void MpmStepperFail(MpmStepper *stepper, const char format[], ...) __attribute__((format(printf, 2, 3)));
