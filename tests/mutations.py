@@ -40,8 +40,6 @@ MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("halo: lost sums of other ranks", "src/march/grid.c", "+= h->others[n * l + f]", "+= 0 * h->others[n * l + f]"),
     ("symbol: growth of the least rank", "src/symbol/symbol.c", "&s->growth, 1, MPIU_REAL, MPI_MAX",
      "&s->growth, 1, MPIU_REAL, MPI_MIN"),
-    ("patches: growth of the least rank", "src/analysis/patch.c", "&p->worst, 1, MPIU_REAL, MPI_MAX",
-     "&p->worst, 1, MPIU_REAL, MPI_MIN"),
     ("march: particles do not migrate", "src/march/march.c", "if (most + 1 > march->slack)", "if (most > march->slack + 100)"),
     ("wall: mirror image one node off", "src/scheme/maps.c", "-node : 2 * last - node;", "-node : 2 * last - node + 1;"),
     ("bloch: phase in the wrong direction", "src/symbol/bloch.c", "angle -= beta[a]", "angle += beta[a]"),
