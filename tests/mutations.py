@@ -38,6 +38,8 @@ MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("tpic: no gradient of the functions", TRANSFER + "tpic.c", ".taylor        = PETSC_TRUE,", ""),
     ("nullspace: symbol by 1e-6", TRANSFER + "nullspace.c", "return alpha > 0 ? 1 : 0;", "return alpha > 0 ? 0.999999 : 0;"),
     ("halo: lost sums of other ranks", "src/march/grid.c", "MPIU_SUM", "MPI_REPLACE"),
+    ("symbol: growth of the least rank", "src/symbol/symbol.c", "&s->growth, 1, MPIU_REAL, MPI_MAX",
+     "&s->growth, 1, MPIU_REAL, MPI_MIN"),
     ("march: particles do not migrate", "src/march/march.c", "if (most + 1 > march->slack)", "if (most > march->slack + 100)"),
     ("wall: mirror image one node off", "src/scheme/maps.c", "-node : 2 * last - node;", "-node : 2 * last - node + 1;"),
     ("bloch: phase in the wrong direction", "src/symbol/bloch.c", "angle -= beta[a]", "angle += beta[a]"),

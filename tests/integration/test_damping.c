@@ -86,7 +86,9 @@ static PetscErrorCode One(const MpmFormulation *f, const MpmTransfer *t, const M
 
 static PetscErrorCode Test(int argc, char **argv)
 {
-  PetscInt compared = 0;
+  PetscInt    compared = 0;
+  PetscMPIInt size;
+  PetscBool   turn = PETSC_FALSE;
 
   PetscFunctionBegin;
   (void)argc;
@@ -94,9 +96,12 @@ static PetscErrorCode Test(int argc, char **argv)
   PetscCall(SlepcInitializeNoArguments());
   for (PetscInt f = 0; MpmFormulations[f]; f++)
     for (PetscInt t = 0; MpmTransfers[t]; t++)
-      for (PetscInt b = 0; MpmBases[b] && Exists(MpmFormulations[f], MpmTransfers[t]); b++)
-        PetscCall(One(MpmFormulations[f], MpmTransfers[t], MpmBases[b], &compared));
-  CHECK(compared > 3500, "only %d waves", (int)compared);
+      for (PetscInt b = 0; MpmBases[b] && Exists(MpmFormulations[f], MpmTransfers[t]); b++) {
+        PetscCall(CheckHasTurn(f + t + b, &turn));
+        if (turn) PetscCall(One(MpmFormulations[f], MpmTransfers[t], MpmBases[b], &compared));
+      }
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
+  CHECK(compared > (size == 1 ? 3500 : 3000 / size), "only %d waves", (int)compared);
   PetscCall(SlepcFinalize());
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -23,12 +23,16 @@ static PetscErrorCode Test(int argc, char **argv)
       "-cells 24 -drift 0.3 -offset 0.1 -courant 0.1", /* a period of ten steps */
       "-cells 16 -drift 1/2 -courant 1.3 -ppc 4",
   };
+  PetscBool turn = PETSC_FALSE;
 
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
   for (PetscInt f = 0; MpmFormulations[f]; f++)
-    for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(rests); r++) PetscCall(Agrees(MpmFormulations[f]->name, rests[r]));
+    for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(rests); r++) {
+      PetscCall(CheckHasTurn(f + (PetscInt)r, &turn));
+      if (turn) PetscCall(Agrees(MpmFormulations[f]->name, rests[r]));
+    }
   PetscCall(Agrees("gas1", "-cells 8 -drift 1/40 -courant 1e5 -ppc 1")); /* the growth of a period exceeds 1e154 */
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -15,7 +15,7 @@
 
 #define LAYOUTS 8
 #define POINTS 40
-#define LATTICES 10
+#define LATTICES 6
 #define PHASES 211
 #define BESIDE 0.01 /* relative distance from the end of a range within which either answer is right */
 

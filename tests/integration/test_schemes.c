@@ -98,14 +98,16 @@ static PetscErrorCode Test(int argc, char **argv)
       "-cells 12 -viscosity 0.2 -grid_damping 0.3 -courant 0.9",
       "-cells 13 -boundary fixed_reaction,free -jitter 0.6 -viscosity 0.1 -grid_damping 0.2 -courant 0.4",
   };
-  char      options[512];
-  PetscInt  tried = 0;
-  PetscBool turn  = PETSC_FALSE;
+  char        options[512];
+  PetscInt    tried = 0;
+  PetscMPIInt size;
+  PetscBool   turn = PETSC_FALSE;
 
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
   PetscCall(SlepcInitializeNoArguments());
+  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   for (PetscInt f = 0; MpmFormulations[f]; f++)
     for (PetscInt t = 0; MpmTransfers[t]; t++)
       for (PetscInt b = 0; MpmBases[b]; b++)
@@ -115,6 +117,8 @@ static PetscErrorCode Test(int argc, char **argv)
                                   MpmFormulations[f]->name, MpmTransfers[t]->name, MpmBases[b]->name,
                                   More(MpmTransfers[t]), rests[r]));
           PetscCall(CheckHasTurn(tried++ + (PetscInt)(t / 2), &turn));
+          if (size == 1 && (tried + t / 2) % 2)
+            continue; /* at night two ranks have this half, and three a third of all */
           if (turn) PetscCall(Agrees(options));
         }
   CHECK(tried > 1000, "only %d schemes", (int)tried);

@@ -273,12 +273,16 @@ static PetscErrorCode Test(int argc, char **argv)
       "-cells 3000 -steps 40 -drift -13.1 -courant 0.05 -jitter 0.5",
       "-cells 9 -steps 20 -drift 1/3 -courant 0.1 -ppc 5", /* there is no room for more than one layer of ghosts */
   };
+  PetscBool turn = PETSC_FALSE;
 
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
   for (PetscInt f = 0; MpmFormulations[f]; f++)
-    for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(rests); r++) PetscCall(Agrees(MpmFormulations[f]->name, rests[r]));
+    for (size_t r = 0; r < PETSC_STATIC_ARRAY_LENGTH(rests); r++) {
+      PetscCall(CheckHasTurn(f + (PetscInt)r, &turn));
+      if (turn) PetscCall(Agrees(MpmFormulations[f]->name, rests[r]));
+    }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

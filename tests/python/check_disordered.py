@@ -14,13 +14,13 @@ from checks import forks
 
 MPMSTAB = os.environ["MPMSTAB"]
 SAME = 1e-5  # limits by halving, with a tolerance of growth, and by an eigenvalue at -1
-CASES = (("-formulation usl -basis quadratic -courant 0.9", 24, 10),
-         ("-formulation musl -courant 1.41 -jitter 0.5", 24, 10),
+CASES = (("-formulation usl -basis quadratic -courant 0.9", 24, 6),
+         ("-formulation musl -courant 1.41 -jitter 0.5", 24, 6),
          ("-formulation usavg -basis cubic -transfer pic -ppc 1", 24, 6),
          ("-formulation verlet -basis quadratic", 24, 4),
          ("-formulation rk -basis quadratic", 24, 4),
-         ("-dim 2 -formulation usf -basis quadratic -ppc 1", 6, 6),
-         ("-dim 3 -formulation usl -basis quadratic -ppc 1", 4, 3))
+         ("-dim 2 -formulation usf -basis quadratic -ppc 1", 6, 4),
+         ("-dim 3 -formulation usl -basis quadratic -ppc 1", 4, 2))
 
 
 def critical(words):

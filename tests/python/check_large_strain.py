@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Runs the scenes at large strain of examples/ and checks that their pages quote what comes out.
 
-check_large_strain.py MPIEXEC PROGRAM. Silent when all is well.
+check_large_strain.py MPIEXEC PROGRAM [long]. Silent when all is well.
 """
 import os
 import re
@@ -12,7 +12,7 @@ import h5py
 
 from checks import ROOT, check, forks, loaded, text_of
 
-MPIEXEC, PROGRAM = sys.argv[1:3]
+MPIEXEC, PROGRAM, *PART = sys.argv[1:]
 
 
 def launch(name, *options, ranks=1):
@@ -27,6 +27,7 @@ def run(name, *options, ranks=1):
         path = os.path.join(folder, "result.json")
         done = launch(name, "-json", path, *options, ranks=ranks)
         check(done.returncode == 0, f"{name} {' '.join(options)}: status {done.returncode}: {done.stderr}")
+        run.said = done.stdout
         return loaded(path)["run"]
 
 
@@ -55,9 +56,11 @@ def check_bar():
 
 
 def check_tube():
-    for cells in (64, 128, 256, 512):
+    for cells in (512,) if PART else (64, 128, 256):
         error = run("shock-tube", "-cells", str(cells))["error"]
         quotes("shock-tube", row(cells, [error[field]["l1"] for field in ("v", "rho")]))
+    if PART:
+        return
     error = run("shock-tube", "-transfer", "flip", "-gradient", "basis", "-expect_error", "0,1")["error"]
     quotes("shock-tube", f"{error['v']['l1']:.3f} and {error['rho']['l1']:.3f} at 128 cells")
 
@@ -69,20 +72,14 @@ def vortex_errors(*options, ranks=1):
 
 
 def check_vortex():
-    quotes("vortex", "{} of places, {} of velocities and at most {} of F".format(*vortex_errors(ranks=3)),
-           "{}, {} and {}. With A = 1".format(*vortex_errors("-cells", "80", "-expect_error", "0,1", ranks=2)))
+    quotes("vortex", "{} of places, {} of velocities and at most {} of F".format(*vortex_errors(ranks=2)),
+           "{}, {} and {}. With A = 1".format(*vortex_errors("-cells", "80", "-expect_error", "0,1")))
     done = launch("vortex", "-amplitude", "1")
     check(done.returncode == 1 and "cells in this step: a cell or more" in done.stderr, f"vortex: {done.stderr}")
 
 
-def check_discs():
-    energy = run("colliding-discs", ranks=2)["energy"]
-    quotes("colliding-discs", f"{1000 * energy['initial']:.3f}e-3 until", f"and {1000 * energy['final']:.3f}e-3 at the end",
-           f"{100 * energy['final'] / energy['initial']:.1f}%")
-
-
 def check_cantilever():
-    """Its energy; scenes_pages has the places of its tip."""
+    """Its energy; scenes_long has the places of its tip."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "beam.h5")
         energy = run("cantilever", "-output", path, "-output_every", "3000")["energy"]
@@ -100,7 +97,7 @@ def check_steps():
     auto = found["courant_auto"]
     quotes("chosen-steps", f"K = {auto['first_limit']:.6g},", f"dt = {auto['dt_largest']:.6g},", f"falls to {auto['dt_least']:.6g}.",
            f"takes {found['steps']} steps, changes dt {auto['changes']} times")
-    check("measured    -             a motion at finite deformation has no growth\n" in launch("chosen-steps").stdout,
+    check("measured    -             a motion at finite deformation has no growth\n" in run.said,
           "another reason why a motion has no growth")
     other, least = run("chosen-steps", ranks=2)["courant_auto"], auto.pop("decided")
     check(other.pop("decided")["id"] == least["id"] and other == auto, "other steps on two ranks")
@@ -120,9 +117,5 @@ def check_steps():
 
 
 if __name__ == "__main__":
-    check_steps()
-    check_bar()
-    check_tube()
-    check_vortex()
-    check_discs()
-    check_cantilever()
+    for part in (check_tube, check_cantilever) if PART else (check_steps, check_bar, check_tube, check_vortex):
+        part()

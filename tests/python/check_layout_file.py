@@ -42,10 +42,9 @@ def check_lattices():
     """The same particles by options and by a file. Assembled operators have the accuracy of their tolerance."""
     lattice = [[(i + 0.25 + j / 2) / 4] for i in range(8) for j in range(2)]
     write("line.csv", "x", lattice)
-    for ends in ("fixed,free", "symmetry", "fixed_reaction"):
-        for basis in ("linear", "cubic"):
-            scheme = f"musl -cells 8 -length 2 -basis {basis} -boundary {ends}"
-            same(limit(scheme), limit(f"{scheme} -layout line.csv"), f"a lattice between ends {ends}")
+    for ends, basis in (("fixed,free", "cubic"), ("symmetry", "linear"), ("symmetry", "cubic"), ("fixed_reaction", "linear")):
+        scheme = f"musl -cells 8 -length 2 -basis {basis} -boundary {ends}"
+        same(limit(scheme), limit(f"{scheme} -layout line.csv"), f"a lattice between ends {ends}")
     plane = [[x, y] for y, x in itertools.product([(j + 0.5) / 2 for j in range(8)], repeat=2)]
     write("plane.csv", "x,y", plane)
     scheme = "usl -dim 2 -basis quadratic -cells 4 -length 4 -boundary periodic,fixed"

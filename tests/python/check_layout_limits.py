@@ -115,7 +115,7 @@ def look(case, x, field):
 
 def main():
     random = numpy.random.default_rng(int(sys.argv[4]) if len(sys.argv) > 4 else 1)
-    for number in range(int(sys.argv[3]) if len(sys.argv) > 3 else 30):
+    for number in range(int(sys.argv[3]) if len(sys.argv) > 3 else 15):
         look(*draw(random, number))
 
 

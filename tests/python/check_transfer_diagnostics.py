@@ -16,11 +16,11 @@ CELLS, STEPS = 12, 9
 # Each line has a scene, its fields, drift and basis, and the ranks that run it.
 SCENES = [
     ("-drift 2/7 -courant 0.4 -initial random", "ur", 2 / 7, "linear", (1, 3)),
-    ("-jitter 0.7 -drift -0.3 -courant 0.4 -ppc 3 -initial random", "ur", -0.3, "linear", (1, 2)),
+    ("-jitter 0.7 -drift -0.3 -courant 0.4 -ppc 3 -initial random", "ur", -0.3, "linear", (1,)),
     ("-formulation musl -basis quadratic -drift 1.4 -courant 0.4 -ppc 2 -initial random", "vs", 1.4, "quadratic",
-     (1, 2)),
-    ("-formulation elastic -drift 0.21 -transfer nullspace -courant 0.4", "uw", 0.21, "linear", (1, 2)),
-    ("-formulation usl -boundary fixed,free -ppc 2 -courant 0.4 -initial random", "vs", 0, "walls", (1, 3)),
+     (2,)),
+    ("-formulation elastic -drift 0.21 -transfer nullspace -courant 0.4", "uw", 0.21, "linear", (1,)),
+    ("-formulation usl -boundary fixed,free -ppc 2 -courant 0.4 -initial random", "vs", 0, "walls", (3,)),
 ]
 
 
