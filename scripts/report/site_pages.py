@@ -40,11 +40,11 @@ PRINT = """/* On paper nothing scrolls: wide tables become small, and pictures s
 @media print {
   .md-typeset img { max-height: 22cm; width: auto; break-inside: avoid; }
   .md-typeset .md-typeset__scrollwrap, .md-typeset .md-typeset__table { display: block; margin: 0; overflow: visible; padding: 0; }
-  .md-typeset table:not([class]) { display: table; font-size: 0.42rem; overflow: visible; width: 100%; }
+  .md-typeset table:not([class]) { display: table; font-size: 0.5rem; overflow: visible; width: 100%; }
   .md-typeset table:not([class]) th, .md-typeset table:not([class]) td { min-width: 0; overflow-wrap: anywhere; padding: 0.3em 0.4em; }
   .md-typeset table code { font-size: inherit; overflow-wrap: anywhere; padding: 0; }
   .md-typeset tr { break-inside: avoid; }
-  .md-typeset pre > code { font-size: 0.42rem; white-space: pre-wrap; }
+  .md-typeset pre > code { font-size: 0.5rem; white-space: pre-wrap; }
 }
 """
 TABLE = """# Limits of all schemes, as a table
