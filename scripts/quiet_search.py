@@ -421,11 +421,13 @@ NAMES = {"apic": "apic", "mls": "apic, gradient mls"}
 
 def share_of(found, digits=2):
     """Says which share of scenes grows, with its interval, and by how much at most."""
+    def percent(share):
+        return f"{float(f'{100 * share:.{digits}g}'):g}"  # 100, not 1e+02
     low, high = interval([float(np.mean(growth > 1 + GROWS)) for growth in found])
     growth = np.concatenate(found)
     if np.max(growth) <= 1 + GROWS:
-        return f"0 % (to {100 * high:.{digits}g})"
-    return f"{100 * np.mean(growth > 1 + GROWS):.{digits}g} % ({100 * low:.{digits}g} to {100 * high:.{digits}g}), {np.max(growth) - 1:.1e}"
+        return f"0 % (to {percent(high)})"
+    return f"{percent(np.mean(growth > 1 + GROWS))} % ({percent(low)} to {percent(high)}), {np.max(growth) - 1:.1e}"
 
 
 def row_of(step, transfer):

@@ -32,8 +32,20 @@ theme:
     - {media: "(prefers-color-scheme: light)", scheme: default, toggle: {icon: material/weather-night, name: dark}}
     - {media: "(prefers-color-scheme: dark)", scheme: slate, toggle: {icon: material/weather-sunny, name: light}}
 plugins: [search]
+extra_css: [print.css]
 markdown_extensions: [tables, attr_list, fenced_code, admonition, toc, sane_lists]
 validation: {omitted_files: ignore, not_found: warn, anchors: warn, unrecognized_links: warn, absolute_links: warn}
+"""
+PRINT = """/* On paper nothing scrolls: wide tables become small, and pictures stay on one page. */
+@media print {
+  .md-typeset img { max-height: 22cm; width: auto; break-inside: avoid; }
+  .md-typeset .md-typeset__scrollwrap, .md-typeset .md-typeset__table { display: block; margin: 0; overflow: visible; padding: 0; }
+  .md-typeset table:not([class]) { display: table; font-size: 0.5rem; overflow: visible; width: 100%; }
+  .md-typeset table:not([class]) th, .md-typeset table:not([class]) td { min-width: 0; overflow-wrap: anywhere; padding: 0.3em 0.4em; }
+  .md-typeset table code { font-size: inherit; overflow-wrap: anywhere; padding: 0; }
+  .md-typeset tr { break-inside: avoid; }
+  .md-typeset pre > code { font-size: 0.5rem; white-space: pre-wrap; }
+}
 """
 TABLE = """# Limits of all schemes, as a table
 
@@ -192,6 +204,8 @@ def main():
         if name.endswith(".md"):
             linked(name, pages)
     limits_table(pages)
+    with open(os.path.join(pages, "print.css"), "w", encoding="utf-8") as file:
+        file.write(PRINT)
     if os.path.isdir(os.path.join(ROOT, "atlas")):
         shutil.copytree(os.path.join(ROOT, "atlas"), os.path.join(pages, "atlas"), ignore=shutil.ignore_patterns("answers"))
     with open(os.path.join(folder, "mkdocs.yml"), "w", encoding="utf-8") as file:

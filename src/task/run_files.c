@@ -105,6 +105,21 @@ typedef struct {
   PetscBool         again; /* the run goes once more to where it has been */
 } Files;
 
+#define LARGE_STRAIN 0.5
+#define SMALL_STRAIN 1e-2
+
+/* Velocities of a wave over c are its strains. The default amplitude, 1, is then that of a material without volume. */
+static void NoteAmplitude(const MpmScene *s)
+{
+  const PetscReal strain = s->amplitude / s->wave_speed;
+
+  if (!s->scheme.space.finite || strain < LARGE_STRAIN) return;
+  if (s->initial != MPM_INITIAL_MODE && s->initial != MPM_INITIAL_RANDOM) return;
+  MpmPrint("note: amplitude %.6g is %.3g of the wave speed, so that strains come near %.3g and particles may be "
+           "compressed to nothing; for small strains give -amplitude %.6g or less\n",
+           s->amplitude, strain, strain, SMALL_STRAIN * s->wave_speed);
+}
+
 /* Opens the files. Each was tried when the scene was read, and gets its own name only when the work is done. */
 static PetscErrorCode Begin(void *context, MpmRun *run, MpmMarch *march)
 {
@@ -125,6 +140,7 @@ static PetscErrorCode Begin(void *context, MpmRun *run, MpmMarch *march)
   if (request->restart[0] && files->from == run->last && !files->again)
     MpmPrint("the checkpoint %s is of the last step, %" PetscInt64_FMT ": nothing is left to march\n", request->restart,
              files->from);
+  if (!request->restart[0] && !files->again) NoteAmplitude(scene);
   if (request->checkpoint[0]) MpmStopInstall();
   if (request->output[0]) {
     /* a run of no steps adds nothing to an output that ends with this step */

@@ -386,27 +386,11 @@ static PetscErrorCode Report(const MpmRun *run)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-#define LARGE_STRAIN 0.5
-#define SMALL_STRAIN 1e-2
-
-/* Velocities of a wave over c are its strains. The default amplitude, 1, is then that of a material without volume. */
-static void NoteAmplitude(const MpmScene *s, const MpmRequest *request)
-{
-  const PetscReal strain = s->amplitude / s->wave_speed;
-
-  if (!s->scheme.space.finite || request->restart[0] || strain < LARGE_STRAIN) return;
-  if (s->initial != MPM_INITIAL_MODE && s->initial != MPM_INITIAL_RANDOM) return;
-  MpmPrint("note: amplitude %.6g is %.3g of the wave speed, so that strains come near %.3g and particles may be "
-           "compressed to nothing; for small strains give -amplitude %.6g or less\n",
-           s->amplitude, strain, strain, SMALL_STRAIN * s->wave_speed);
-}
-
 PetscErrorCode MpmTaskRun(const MpmScene *scene, const MpmRequest *request, PetscReal started, PetscInt *missed)
 {
   MpmRun *run;
 
   PetscFunctionBegin;
-  NoteAmplitude(scene, request);
   PetscCall(MpmRunFilesCreate(scene, request, started, &run));
   *missed = 0;
   if (run->failure[0]) {

@@ -17,6 +17,7 @@ from checks import ROOT, check, text_of
 
 SITE = os.path.join(ROOT, "build", "site")
 SKIPPED = 77
+PAPER = 720  # the width of A4 between its margins, in pixels
 
 
 def pages():
@@ -49,6 +50,16 @@ def check_in_browser():
             for name in ("index.html", "docs/related-work.html", "docs/verification.html", "limits-table.html"):
                 opened(driver, os.path.join(SITE, name))
                 check_quiet(driver, width)
+        driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        resize(driver, PAPER, 900)
+        for page in pages():
+            opened(driver, page)
+            cut = driver.execute_script("return [...document.querySelectorAll('article table, article pre, article img')].filter(e => "
+                                        "e.getBoundingClientRect().right > innerWidth || e.scrollWidth > e.clientWidth + 1).length")
+            check(not cut, f"{os.path.relpath(page, SITE)}: {cut} tables, listings or pictures are cut off in print")
+        driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+        resize(driver, 1280, 900)
+        opened(driver, os.path.join(SITE, "limits-table.html"))
         driver.execute_script("const box = document.getElementById('wanted'); box.value = 'usavg cubic blend'; "
                               "box.dispatchEvent(new Event('input'))")
         shown = driver.execute_script("return [...document.querySelectorAll('#limits tbody tr')].filter(r => !r.hidden).length")

@@ -57,18 +57,19 @@ static void Separating(PetscReal friction, PetscInt dim, const PetscReal normal[
 }
 
 static const MpmContact
-    sticky     = {.name = "sticky", .summary = "nodes move with the body", .linear = PETSC_TRUE, .project = Sticky},
-    slip       = {.name    = "slip",
-                  .summary = "nodes keep their velocity along the surface; with friction less of it",
+    sticky     = {.name = "sticky", .summary = "nodes move with the collider", .linear = PETSC_TRUE, .project = Sticky},
+    slip       = {.name = "slip",
+                  .summary =
+                      "nodes keep their velocity along the surface, with friction a part of it, and lose that across it",
                   .rubs    = PETSC_TRUE,
                   .linear  = PETSC_TRUE,
                   .project = Slip},
     separating = {.name    = "separating",
-                  .summary = "as slip where nodes move into the body, and nothing where they leave it",
+                  .summary = "as slip where nodes move into the collider; nodes that leave it are free",
                   .rubs    = PETSC_TRUE,
                   .project = Separating},
     penalty    = {.name    = "penalty",
-                  .summary = "particles inside are pushed out, by their depth times stiffness per mass",
+                  .summary = "particles inside are pushed out with the acceleration stiffness times depth",
                   .pushes  = PETSC_TRUE};
 
 const MpmContact *const MpmContacts[] = {&sticky, &slip, &separating, &penalty, NULL};
