@@ -168,7 +168,7 @@ def check_mls():
 
 def check_calls():
     """In two dimensions, which takes longer: a lattice of 5 ms a step in 20 s, with all its parts in 60 s."""
-    check_most_calls(("critical", "2", "8", 1050), ("spectrum", "2", "12", 250))
+    check_most_calls(("critical", "2", "8", 1050), ("spectrum", "2", "12", 250), ("spectrum", "2", "4", "free", 2142))
     limits = check_no_polynomial("2", "8", "free")
     check(set(limits) == {"interior", "lone_particle"} and "not sought" in run.said, f"{limits}")  # it would take minutes
 
