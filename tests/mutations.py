@@ -12,13 +12,13 @@ import subprocess
 import sys
 import time
 
-FORMULATION, BASIS, TRANSFER = "src/scheme/formulation/", "src/scheme/basis/", "src/scheme/transfer/"
+FORMULATION, BASIS, TRANSFER = "src/scheme/formulation/", "src/scheme/basis/", "src/scheme/transfers.c"
 MUTATIONS = [  # name, file, what stands there, what is put in its place
-    ("usl: half a strain", FORMULATION + "usl.c", "GRAD(S, V_I, COURANT),      /* 5.", "HALF_GRAD(S, V_I, COURANT), /* 5."),
-    ("usf: half a strain", FORMULATION + "usf.c", "GRAD(S, V_I, COURANT),      /* 2.", "HALF_GRAD(S, V_I, COURANT), /* 2."),
-    ("musl: half a strain", FORMULATION + "musl.c", "GRAD(S, V_I, COURANT),      /* 6.", "HALF_GRAD(S, V_I, COURANT), /* 6."),
-    ("usavg: one and a half strains", FORMULATION + "usavg.c", "HALF_GRAD(S, V_I, COURANT), /* 2.", "GRAD(S, V_I, COURANT), /* 2."),
-    ("verlet: shares by 1e-6", FORMULATION + "verlet.c", "strain          = numbers->share;", "strain          = 1.000001 * numbers->share;"),
+    ("usl: half a strain", FORMULATION + "momentum.c", "GRAD(S, V_I, COURANT),      /* 5.", "HALF_GRAD(S, V_I, COURANT), /* 5."),
+    ("usf: half a strain", FORMULATION + "momentum.c", "GRAD(S, V_I, COURANT),      /* 2.", "HALF_GRAD(S, V_I, COURANT), /* 2."),
+    ("musl: half a strain", FORMULATION + "momentum.c", "GRAD(S, V_I, COURANT),      /* 6.", "HALF_GRAD(S, V_I, COURANT), /* 6."),
+    ("usavg: one and a half strains", FORMULATION + "momentum.c", "HALF_GRAD(S, V_I, COURANT), /* 2.", "GRAD(S, V_I, COURANT), /* 2."),
+    ("verlet: shares by 1e-6", FORMULATION + "momentum.c", "strain          = numbers->share;", "strain          = 1.000001 * numbers->share;"),
     ("rk4: a coefficient by 1e-6", FORMULATION + "rk.c", "{1. / 4, 1. / 3, 1. / 2, 1}", "{1. / 4, 1.000001 / 3, 1. / 2, 1}"),
     ("implicit: the matrix by 1e-6", FORMULATION + "implicit.c", "IMPLICIT(A_I, theta * theta,", "IMPLICIT(A_I, 1.000001 * theta * theta,"),
     ("gas1: no Courant number", FORMULATION + "gas1.c", "GRAD(R, U_I, COURANT)", "GRAD(R, U_I, ONE)"),
@@ -30,13 +30,13 @@ MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("cubic: slope by 1e-6", BASIS + "splines.h", "-2 * xi + 1.5 * xi * xi", "-2 * xi + 1.500001 * xi * xi"),
     ("open ends: weight by 1e-6", BASIS + "cubic_open.c", "1.5 * w[step]", "1.500001 * w[step]"),
     ("modified ends: sign", BASIS + "modified.h", "w[2 * step] -= w[0];", "w[2 * step] += w[0];"),
-    ("pic: factor by 1e-9", TRANSFER + "pic.c", "G2P(particle, node, ONE)", "G2P_TIMES(particle, node, 1 + 1e-9, ONE)"),
-    ("blend: share by 1e-6", TRANSFER + "blend.c", "1 - numbers->ratio, ONE", "1.000001 - numbers->ratio, ONE"),
-    ("xpic: term by 1e-6", TRANSFER + "xpic.c", "smoothed, -1)", "smoothed, -1.000001)"),
-    ("fmpm: symbol of one term less", TRANSFER + "fmpm.c", "r < numbers->order; r++) sum", "r < numbers->order - 1; r++) sum"),
-    ("aflip: share by 1e-6", TRANSFER + "aflip.c", "1 - numbers->affine_ratio, ONE", "1.000001 - numbers->affine_ratio, ONE"),
-    ("tpic: no gradient of the functions", TRANSFER + "tpic.c", ".taylor        = PETSC_TRUE,", ""),
-    ("nullspace: symbol by 1e-6", TRANSFER + "nullspace.c", "return alpha > 0 ? 1 : 0;", "return alpha > 0 ? 0.999999 : 0;"),
+    ("pic: factor by 1e-9", TRANSFER, "AppendShare(table, 0,", "AppendShare(table, -1e-9,"),
+    ("blend: share by 1e-6", TRANSFER, "AppendShare(table, numbers->ratio,", "AppendShare(table, numbers->ratio + 1e-6,"),
+    ("xpic: term by 1e-6", TRANSFER, "smoothed, -1)", "smoothed, -1.000001)"),
+    ("fmpm: symbol of one term less", TRANSFER, "r < numbers->order; r++) sum", "r < numbers->order - 1; r++) sum"),
+    ("aflip: share by 1e-6", TRANSFER, "1 - numbers->affine_ratio, ONE", "1.000001 - numbers->affine_ratio, ONE"),
+    ("tpic: no gradient of the functions", TRANSFER, ".taylor    = PETSC_TRUE,", ""),
+    ("nullspace: symbol by 1e-6", TRANSFER, "return alpha > 0 ? 1 : 0;", "return alpha > 0 ? 0.999999 : 0;"),
     ("halo: lost sums of other ranks", "src/march/grid.c", "+= h->others[n * l + f]", "+= 0 * h->others[n * l + f]"),
     ("march: particles do not migrate", "src/march/march.c", "if (most + 1 > march->slack)", "if (most > march->slack + 100)"),
     ("wall: mirror image one node off", "src/scheme/maps.c", "-node : 2 * last - node;", "-node : 2 * last - node + 1;"),

@@ -121,6 +121,3 @@ PetscErrorCode MpmCompilerBegin(MpmCompiler *compiler);
 /* Collective. The transfer of a written scheme. *transfer is to be destroyed after a refusal, too. */
 PetscErrorCode MpmWrittenCompileTransfer(const MpmWritten *written, const PetscReal numbers[], MpmTransfer **transfer);
 PetscErrorCode MpmWrittenTransferDestroy(MpmTransfer **transfer);
-
-/* Not collective. The line that says an operation on fields of a formulation. */
-PetscErrorCode MpmWrittenLineText(const MpmFormulation *formulation, const MpmOp *op, size_t room, char text[]);

@@ -93,18 +93,6 @@ static PetscBool ReactsLater(const MpmFormulation *f, PetscInt o, PetscInt node)
   return PETSC_FALSE;
 }
 
-/* Registers for a velocity, like those of a node field. */
-static PetscErrorCode AddNodes(MpmTableBuilder *b, PetscInt node, PetscInt *first)
-{
-  PetscInt next;
-
-  PetscFunctionBegin;
-  if (*first != MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmTableNode(b->table, b->node[node], first));
-  for (PetscInt c = 1; c < b->table->dim; c++) PetscCall(MpmTableNode(b->table, b->node[node] + c, &next));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode Copy(MpmTableBuilder *b, PetscInt dst, PetscInt src, PetscReal factor, PetscBool accumulates)
 {
   PetscFunctionBegin;
@@ -119,7 +107,7 @@ static PetscErrorCode Copy(MpmTableBuilder *b, PetscInt dst, PetscInt src, Petsc
 static PetscErrorCode Collide(MpmTableBuilder *b, PetscInt dst, PetscInt node, PetscInt plus)
 {
   PetscFunctionBegin;
-  PetscCall(AddNodes(b, node, &b->trial));
+  if (b->trial == MPM_NONE) PetscCall(MpmBuilderNodes(b->table, b->node[node], b->table->dim, &b->trial));
   PetscCall(Copy(b, b->trial, b->node[node], 1, PETSC_FALSE));
   if (plus != MPM_NONE) PetscCall(Copy(b, b->trial, plus, 1, PETSC_TRUE));
   for (PetscInt c = 0; c < b->table->dim; c++)
@@ -145,7 +133,7 @@ PetscErrorCode MpmBuilderCollide(MpmTableBuilder *b, PetscInt o)
   if (!Collides(b, node)) PetscFunctionReturn(PETSC_SUCCESS);
   if (sum != MPM_NONE && ReactsLater(b->formulation, o, node) && b->lost_by == MPM_NONE) {
     b->lost_by = b->formulation->ops[sum].src;
-    PetscCall(AddNodes(b, node, &b->lost));
+    if (b->lost == MPM_NONE) PetscCall(MpmBuilderNodes(b->table, b->node[node], b->table->dim, &b->lost));
     PetscCall(Copy(b, b->lost, b->node[node], 1, PETSC_FALSE));
   }
   PetscCall(Collide(b, b->node[node], node, MPM_NONE));

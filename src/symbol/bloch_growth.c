@@ -19,7 +19,7 @@ void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscRe
   PetscInt         numbers[2] = {0, 0}; /* without and with filter */
 
   *all = MPM_NONE;
-  if (b->period > 1 || !scheme->transfer->null_factor || !MpmFormulationKeepsUnseen(scheme->formulation)) return;
+  if (b->period > 1 || !scheme->transfer->filter_symbol || !MpmFormulationKeepsUnseen(scheme->formulation)) return;
   for (PetscInt r = 0; r < t->nstate; r++) {
     PetscInt components = 0, seen;
 
@@ -33,7 +33,7 @@ void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscRe
   }
   *rest   = numbers[0];
   *all    = numbers[0] + numbers[1];
-  *factor = scheme->transfer->null_factor(&scheme->numbers);
+  *factor = scheme->transfer->filter_symbol(&scheme->numbers, 0);
 }
 
 /*
@@ -69,7 +69,7 @@ PetscErrorCode MpmBlochNodalCreate(const MpmBloch *b, MpmBlochNodal **nodal)
   PetscFunctionBegin;
   *nodal = NULL;
   MpmBlochCountNull(b, &rest, &all, &factor);
-  if (b->layout->dim == 1 || b->period > 1 || (all == MPM_NONE && scheme->transfer->null_factor) ||
+  if (b->layout->dim == 1 || b->period > 1 || (all == MPM_NONE && scheme->transfer->filter_symbol) ||
       scheme->formulation->written)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmNodalPlanCreate(scheme->table, &why, &plan));

@@ -1,5 +1,7 @@
-/* The list of formulations, and the traits and numbers of operations. */
+/* The list of formulations, what they share, and the traits and numbers of operations. */
+#include "scheme/formulation/closed_forms.h"
 #include <mpmstab/transfer.h>
+#include <math.h>
 #include <string.h>
 
 extern const MpmFormulation MpmGas1, MpmGas2, MpmElastic, MpmUsl, MpmUsf, MpmMusl, MpmUsavg, MpmVerlet, MpmRk,
@@ -7,6 +9,15 @@ extern const MpmFormulation MpmGas1, MpmGas2, MpmElastic, MpmUsl, MpmUsf, MpmMus
 
 const MpmFormulation *const MpmFormulations[] = {&MpmGas1,  &MpmGas2,   &MpmElastic, &MpmUsl,      &MpmUsf, &MpmMusl,
                                                  &MpmUsavg, &MpmVerlet, &MpmRk,      &MpmImplicit, NULL};
+
+const MpmEnergyTerm MpmMomentumEnergy[2] = {{MPM_ON_PARTICLES, 0, PETSC_FALSE}, {MPM_ON_PARTICLES, 1, PETSC_TRUE}};
+
+PetscReal MpmQuadraticRadius(double complex trace, double complex det)
+{
+  const double complex root = csqrt(trace * trace / 4 - det);
+
+  return fmax(cabs(trace / 2 + root), cabs(trace / 2 - root));
+}
 
 const MpmFormulation *MpmFormulationFind(const char name[])
 {
