@@ -162,7 +162,7 @@ static PetscErrorCode GrowsThere(const MpmCriticalCase *of, PetscReal courant, P
   PetscFunctionBegin;
   *grows = PETSC_FALSE;
   PetscCall(MpmWavesCreate(of->layout, of->scheme, of->step.drift, &waves));
-  PetscCall(MpmPredictorCreate(of->layout, of->scheme, MpmStepDrifts(&of->step), &predictor));
+  PetscCall(MpmPredictorCreate(of->layout, of->scheme, MpmStepDrifts(&of->step), NULL, &predictor));
   for (PetscInt m = MPM_CRITICAL_PHASES; m > 0 && !*grows; m--) {
     const PetscReal beta = MpmSearchPhase(m);
 

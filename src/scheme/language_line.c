@@ -35,41 +35,47 @@ typedef struct {
   PetscInt              depth;
 } Reader;
 
-static const struct {
+typedef struct {
   const char *word;
   MpmOpKind   kind;
-} operations[] = {{"P2G", MPM_P2G},   {"DIV", MPM_DIV}, {"G2P", MPM_G2P},
-                  {"GRAD", MPM_GRAD}, {"LAP", MPM_LAP}, {"SOLVE", MPM_SOLVE}};
-
-static const struct {
-  const char   *word;
-  MpmLineKindOf kind;
-  MpmOpKind     op;
-} statements[] = {{"IMPOSE", MPM_LINE_IMPOSE, MPM_IMPOSE},
-                  {"REACT", MPM_LINE_REACT, MPM_REACT},
-                  {"FILTER", MPM_LINE_FILTER, MPM_FILTER},
-                  {"FILTER_BEFORE", MPM_LINE_FILTER, MPM_FILTER_BEFORE},
-                  {"FILTER_AFTER", MPM_LINE_FILTER, MPM_FILTER_AFTER},
-                  {"MOVE", MPM_LINE_MOVE, MPM_MOVE},
-                  {"MOVE_PROJECTED", MPM_LINE_MOVE, MPM_MOVE_PROJECTED},
-                  {"IMPLICIT", MPM_LINE_IMPLICIT, MPM_IMPLICIT},
-                  {"DRIFT", MPM_LINE_DRIFT, MPM_DRIFT}};
+} Word;
+static const Word operations[] = {{"P2G", MPM_P2G},   {"DIV", MPM_DIV}, {"G2P", MPM_G2P},
+                                  {"GRAD", MPM_GRAD}, {"LAP", MPM_LAP}, {"SOLVE", MPM_SOLVE}};
+static const Word statements[] = {{"IMPOSE", MPM_IMPOSE},
+                                  {"REACT", MPM_REACT},
+                                  {"FILTER", MPM_FILTER},
+                                  {"FILTER_BEFORE", MPM_FILTER_BEFORE},
+                                  {"FILTER_AFTER", MPM_FILTER_AFTER},
+                                  {"MOVE", MPM_MOVE},
+                                  {"MOVE_PROJECTED", MPM_MOVE_PROJECTED},
+                                  {"IMPLICIT", MPM_IMPLICIT},
+                                  {"DRIFT", MPM_DRIFT}};
 
 const char *const MpmRankNames[] = {"scalar", "vector", "stress"};
 
+/* The entry of a word, or with a NULL of a kind; NULL: there is none. */
+static const Word *Find(size_t n, const Word words[], const char word[], MpmOpKind kind)
+{
+  for (size_t i = 0; i < n; i++)
+    if (word ? !strcmp(words[i].word, word) : words[i].kind == kind) return &words[i];
+  return NULL;
+}
+
+#define FIND(words, word, kind) Find(PETSC_STATIC_ARRAY_LENGTH(words), words, word, kind)
+
 const char *MpmOperationWord(MpmOpKind kind, PetscBool dot, PetscBool stress)
 {
+  const Word *found = FIND(operations, NULL, kind);
+
   if (kind == MPM_GRAD && (dot || stress)) return dot ? "GRAD ." : "STRESS GRAD";
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(operations); i++)
-    if (operations[i].kind == kind) return operations[i].word;
-  return "";
+  return found ? found->word : "";
 }
 
 const char *MpmStatementWord(MpmOpKind kind)
 {
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(statements); i++)
-    if (statements[i].op == kind) return statements[i].word;
-  return NULL;
+  const Word *found = FIND(statements, NULL, kind);
+
+  return found ? found->word : NULL;
 }
 
 PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText *where, const char format[], ...)
@@ -90,11 +96,10 @@ PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText 
 
 PetscBool MpmWrittenIsWord(const char name[])
 {
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(operations); i++)
-    if (!strcmp(name, operations[i].word)) return PETSC_TRUE;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(statements); i++)
-    if (!strcmp(name, statements[i].word)) return PETSC_TRUE;
-  return !strcmp(name, "STRESS") || !strcmp(name, "k") ? PETSC_TRUE : PETSC_FALSE;
+  return FIND(operations, name, MPM_P2G) || FIND(statements, name, MPM_P2G) || !strcmp(name, "STRESS") ||
+                 !strcmp(name, "k")
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 MpmPlace MpmWrittenFindField(const MpmWritten *w, const char name[], PetscInt *field)
@@ -288,9 +293,10 @@ static PetscErrorCode ReadStressGrad(Reader *r, Value *value)
 
 static PetscErrorCode ReadName(Reader *r, Value *value)
 {
-  char     word[WORD];
-  PetscInt i;
-  MpmPlace place;
+  const Word *operation;
+  char        word[WORD];
+  PetscInt    i;
+  MpmPlace    place;
 
   PetscFunctionBegin;
   PetscCall(TakeWord(r, word));
@@ -309,9 +315,9 @@ static PetscErrorCode ReadName(Reader *r, Value *value)
     PetscCall(ReadStressGrad(r, value));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (size_t o = 0; o < PETSC_STATIC_ARRAY_LENGTH(operations); o++) {
-    if (strcmp(word, operations[o].word)) continue;
-    PetscCall(ReadOperation(r, word, operations[o].kind, PETSC_FALSE, value));
+  operation = FIND(operations, word, MPM_P2G);
+  if (operation) {
+    PetscCall(ReadOperation(r, word, operation->kind, PETSC_FALSE, value));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   i = MpmWrittenFindParameter(r->written, word);
@@ -540,18 +546,19 @@ static PetscErrorCode ReadShare(Reader *r, MpmWrittenLine *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadStatement(Reader *r, MpmLineKindOf kind, MpmWrittenLine *line)
+static PetscErrorCode ReadStatement(Reader *r, MpmWrittenLine *line)
 {
-  const PetscBool plain   = kind == MPM_LINE_DRIFT || kind == MPM_LINE_IMPLICIT || kind == MPM_LINE_MOVE;
-  const PetscBool bracket = !plain && Takes(r, '(') ? PETSC_TRUE : PETSC_FALSE;
+  const MpmOpKind op      = line->op;
+  const PetscBool moves   = op == MPM_MOVE || op == MPM_MOVE_PROJECTED ? PETSC_TRUE : PETSC_FALSE,
+                  plain   = moves || op == MPM_DRIFT || op == MPM_IMPLICIT ? PETSC_TRUE : PETSC_FALSE,
+                  filter  = !plain && op != MPM_IMPOSE && op != MPM_REACT ? PETSC_TRUE : PETSC_FALSE,
+                  bracket = !plain && Takes(r, '(') ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
-  line->kind = kind;
-  if (kind == MPM_LINE_FILTER) PetscCall(ReadField(r, MPM_ON_PARTICLES, &line->field));
-  if (kind == MPM_LINE_IMPOSE || kind == MPM_LINE_REACT) PetscCall(ReadField(r, MPM_ON_NODES, &line->field));
-  if (kind == MPM_LINE_MOVE) PetscCall(ReadShare(r, line));
-  if (kind == MPM_LINE_FILTER || kind == MPM_LINE_REACT) PetscCall(ReadField(r, MPM_ON_NODES, &line->other));
-  if (kind == MPM_LINE_IMPLICIT) PetscCall(ReadImplicit(r, line));
+  if (moves) PetscCall(ReadShare(r, line));
+  if (op == MPM_IMPLICIT) PetscCall(ReadImplicit(r, line));
+  if (!plain) PetscCall(ReadField(r, filter ? MPM_ON_PARTICLES : MPM_ON_NODES, &line->field));
+  if (!plain && op != MPM_IMPOSE) PetscCall(ReadField(r, MPM_ON_NODES, &line->other));
   if (bracket && !Takes(r, ')')) MpmRefuseLine(r->written, r->text, "a bracket is not closed");
   PetscCall(ReadEnd(r));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -576,19 +583,20 @@ static PetscErrorCode ReadSign(Reader *r, MpmWrittenLine *line, PetscReal *sign)
 PetscErrorCode MpmLineRead(const MpmWritten *written, const PetscReal numbers[], const MpmWrittenText *text,
                            MpmWrittenLine *line)
 {
-  Reader    r = {.written = written, .text = text, .numbers = numbers, .at = text->text};
-  char      word[WORD];
-  PetscReal sign;
-  Value     sum, terms = {.n = 0};
+  Reader      r = {.written = written, .text = text, .numbers = numbers, .at = text->text};
+  const Word *statement;
+  char        word[WORD];
+  PetscReal   sign;
+  Value       sum, terms = {.n = 0};
 
   PetscFunctionBegin;
-  *line = (MpmWrittenLine){.kind = MPM_LINE_SET};
+  *line = (MpmWrittenLine){.op = MPM_LINE_SETS};
   if (!BeginsWord(Next(&r))) MpmRefuseLine(written, text, "allowed: a line that begins with a field or a statement");
   PetscCall(TakeWord(&r, word));
-  for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(statements); s++) {
-    if (strcmp(word, statements[s].word)) continue;
-    PetscCall(ReadStatement(&r, statements[s].kind, line));
-    line->op = statements[s].op;
+  statement = FIND(statements, word, MPM_P2G);
+  if (statement) {
+    line->op = statement->kind;
+    PetscCall(ReadStatement(&r, line));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(ReadSign(&r, line, &sign));

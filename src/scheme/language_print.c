@@ -180,15 +180,6 @@ PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *f, const MpmScheme
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *f, const MpmSchemeNumbers *numbers,
-                                         const MpmTransfer *transfer, MpmWritten **written)
-{
-  PetscFunctionBegin;
-  PetscCall(PetscNew(written));
-  PetscCall(MpmWrittenAddFormulation(f, numbers, transfer, *written));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* ---- from a transfer to texts ---- */
 
 /* The names of registers i > 0 of those that a filter needs besides q and g. */

@@ -68,11 +68,11 @@ static PetscErrorCode CheckLine(const MpmCompiler *c, const MpmWrittenLine *line
   const PetscBool       other = line->place == MPM_ON_PARTICLES && line->field > 0 ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
-  if (line->kind != MPM_LINE_SET && line->kind != MPM_LINE_IMPOSE)
+  if (line->op != MPM_LINE_SETS && line->op != MPM_IMPOSE)
     MpmRefuseLine(w, text, "this stands in the step; allowed in a filter: lines that set a field, and IMPOSE");
-  if ((line->kind == MPM_LINE_IMPOSE || line->place == MPM_ON_NODES) && line->field == 0)
+  if ((line->op == MPM_IMPOSE || line->place == MPM_ON_NODES) && line->field == 0)
     MpmRefuseLine(w, text, "g belongs to the step, which reads it later; allowed: to set a field of 'nodes'");
-  if (line->kind == MPM_LINE_SET && other && line->adds)
+  if (line->op == MPM_LINE_SETS && other && line->adds)
     MpmRefuseLine(w, text, "allowed for a field of particles other than q: field = ...");
   for (PetscInt t = 0; t < line->nterms; t++) {
     const MpmTerm *term = &line->term[t];

@@ -196,6 +196,33 @@ PetscErrorCode MpmFiniteSet(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   DIV of a stress, which has dim x dim components if it is whole, to a node register and those after it; and the body
+   force at a part of the step.
+*/
+static PetscErrorCode Force(MpmTableBuilder *b, const MpmOp *div, PetscInt node, PetscInt stress, PetscBool whole,
+                            PetscReal part)
+{
+  const PetscInt dim = b->space->dim;
+
+  PetscFunctionBegin;
+  if (b->space->loaded)
+    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = part}));
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt axis = 0; axis < dim; axis++)
+      PetscCall(MpmBuilderTerm(b, div, node + a, stress + (whole ? dim * a + axis : MpmSpaceStress(b->space, a, axis)),
+                               axis, b->space->stiffness, axis ? PETSC_TRUE : div->accumulates));
+    if (!b->space->loaded) continue;
+    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind        = MPM_P2G,
+                                                  .dst         = node + a,
+                                                  .src         = b->load + a,
+                                                  .accumulates = PETSC_TRUE,
+                                                  .coefficient = div->coefficient,
+                                                  .factor      = -div->factor}));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
 {
   const PetscInt  dim = b->space->dim, node = b->node[op->dst], tau = b->particle[op->src];
@@ -212,21 +239,7 @@ PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
   if (b->rate != MPM_NONE && !op->accumulates)
     PetscCall(MpmTableAppendOwn(
         b->table, (MpmOp){.kind = MPM_VISCOUS, .dst = tau, .src = b->rate, .factor = 1 / b->space->stiffness}));
-  if (b->space->loaded)
-    PetscCall(
-        MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = b->at_part}));
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt axis = 0; axis < dim; axis++)
-      PetscCall(MpmBuilderTerm(b, op, node + a, tau + MpmSpaceStress(b->space, a, axis), axis, b->space->stiffness,
-                               axis ? PETSC_TRUE : op->accumulates));
-    if (!b->space->loaded) continue;
-    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind        = MPM_P2G,
-                                                  .dst         = node + a,
-                                                  .src         = b->load + a,
-                                                  .accumulates = PETSC_TRUE,
-                                                  .coefficient = op->coefficient,
-                                                  .factor      = -op->factor}));
-  }
+  PetscCall(Force(b, op, node, tau, PETSC_FALSE, b->at_part));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -247,18 +260,7 @@ PetscErrorCode MpmFiniteAhead(MpmTableBuilder *b, PetscInt field, PetscInt image
   PetscCall(MpmBuilderSlopes(&own, &grad, b->slope, b->node[field]));
   PetscCall(MpmTableAppendOwn(
       b->table, (MpmOp){.kind = MPM_STRESS_AHEAD, .dst = b->stress, .src = b->slope, .factor = b->ahead}));
-  for (PetscInt c = 0; c < dim * dim; c++)
-    PetscCall(MpmBuilderTerm(&own, &div, image + c / dim, b->stress + c, c % dim, b->space->stiffness,
-                             c % dim ? PETSC_TRUE : PETSC_FALSE));
-  if (b->space->loaded)
-    PetscCall(
-        MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = b->ahead}));
-  for (PetscInt a = 0; a < dim && b->space->loaded; a++) {
-    MpmOp add = P2G(image + a, b->load + a);
-
-    add.accumulates = PETSC_TRUE;
-    PetscCall(MpmTableAppendOwn(b->table, add));
-  }
+  PetscCall(Force(&own, &div, image, b->stress, PETSC_TRUE, b->ahead));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

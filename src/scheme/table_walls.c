@@ -21,41 +21,38 @@ static PetscErrorCode Wall(MpmTable *t, PetscInt axis, PetscInt end, PetscInt ds
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTableImpose(MpmTable *t, PetscInt node)
+/* The same at all ends with a reaction, or at those that impose dst without one. */
+static PetscErrorCode Walls(MpmTable *t, PetscBool reaction, PetscInt dst, PetscInt src, PetscReal factor)
 {
   PetscFunctionBegin;
   for (PetscInt axis = 0; axis < t->dim; axis++)
     for (PetscInt end = 0; end < 2; end++)
-      if (MpmEndImposes(t->ends[axis][end], t->parity[node][axis])) PetscCall(Wall(t, axis, end, node, node, 0));
+      if (reaction ? t->ends[axis][end] == MPM_FIXED_REACTION : MpmEndImposes(t->ends[axis][end], t->parity[dst][axis]))
+        PetscCall(Wall(t, axis, end, dst, src, factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Keeps the values of a node register at all ends with a reaction. */
-static PetscErrorCode Keep(MpmTableBuilder *b, PetscInt node)
+PetscErrorCode MpmTableImpose(MpmTable *t, PetscInt node)
 {
-  MpmTable *t = b->table;
-
   PetscFunctionBegin;
-  PetscCall(MpmTableNode(t, node, &b->kept[node]));
-  for (PetscInt axis = 0; axis < t->dim; axis++)
-    for (PetscInt end = 0; end < 2; end++)
-      if (t->ends[axis][end] == MPM_FIXED_REACTION) PetscCall(Wall(t, axis, end, b->kept[node], node, 1));
+  PetscCall(Walls(t, PETSC_FALSE, node, node, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A value from before the wall is kept the first time that the wall is imposed in the step. */
 PetscErrorCode MpmBuilderImposeWithReaction(MpmTableBuilder *b, PetscInt node, PetscBool wanted)
 {
-  MpmTable *t = b->table;
+  MpmTable *t      = b->table;
+  PetscBool reacts = PETSC_FALSE;
 
   PetscFunctionBegin;
-  for (PetscInt axis = 0; axis < t->dim; axis++) {
-    for (PetscInt end = 0; end < 2; end++) {
-      if (t->ends[axis][end] != MPM_FIXED_REACTION) continue;
-      if (wanted && b->kept[node] == MPM_NONE) PetscCall(Keep(b, node));
-      PetscCall(Wall(t, axis, end, node, node, 0));
-    }
+  for (PetscInt i = 0; i < 2 * t->dim; i++)
+    if (t->ends[i / 2][i % 2] == MPM_FIXED_REACTION) reacts = PETSC_TRUE;
+  if (reacts && wanted && b->kept[node] == MPM_NONE) {
+    PetscCall(MpmTableNode(t, node, &b->kept[node]));
+    PetscCall(Walls(t, PETSC_TRUE, b->kept[node], node, 1));
   }
+  PetscCall(Walls(t, PETSC_TRUE, node, node, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

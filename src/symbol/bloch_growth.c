@@ -379,21 +379,7 @@ static PetscErrorCode GainedGrowth(MpmBlochGained *g, MpmBloch *b, PetscReal cou
 
 /* ---- growth, by the shortest way ---- */
 
-/* Growth by the matrix of a turn, divided by 2^exponent, which takes the place of eigen's. */
-static PetscErrorCode OfTurn(const MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt exponent, PetscReal *growth,
-                             PetscReal *without_null)
-{
-  PetscReal largest = 0;
-
-  PetscFunctionBegin;
-  PetscCall(MpmSmallEigenSolve(eigen, PETSC_FALSE));
-  for (PetscInt i = 0; i < eigen->n; i++) largest = PetscMax(largest, cabs(eigen->value[i]));
-  *growth       = MpmGrowthPerStep(largest, exponent, bloch->turn);
-  *without_null = bloch->nodal && bloch->nodal->all != MPM_NONE ? *growth : NAN;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The same for up to as many Courant numbers as there are lanes. */
+/* Growth by the matrices of a turn, of up to as many Courant numbers as there are lanes. */
 static PetscErrorCode OfTurns(MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt n, const PetscReal courant[],
                               const PetscReal beta[], PetscReal growth[], PetscReal without_null[])
 {
@@ -403,8 +389,13 @@ static PetscErrorCode OfTurns(MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt n,
   PetscFunctionBegin;
   PetscCall(MpmBlochTurns(bloch, n, courant, beta, bloch->turns, exponent));
   for (PetscInt i = 0; i < n; i++) {
+    PetscReal largest = 0;
+
     PetscCall(PetscArraycpy(eigen->matrix, bloch->turns + i * numbers, numbers));
-    PetscCall(OfTurn(bloch, eigen, exponent[i], &growth[i], &without_null[i]));
+    PetscCall(MpmSmallEigenSolve(eigen, PETSC_FALSE));
+    for (PetscInt j = 0; j < eigen->n; j++) largest = PetscMax(largest, cabs(eigen->value[j]));
+    growth[i]       = MpmGrowthPerStep(largest, exponent[i], bloch->turn);
+    without_null[i] = bloch->nodal && bloch->nodal->all != MPM_NONE ? growth[i] : NAN;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

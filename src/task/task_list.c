@@ -341,7 +341,8 @@ static PetscErrorCode ListOneFormulation(const char name[])
   PetscFunctionBegin;
   for (; MpmFormulations[n]; n++) names[n] = MpmFormulations[n]->name;
   if (!formulation) PetscCall(RefuseName("formulation", name, n, names));
-  PetscCall(MpmWrittenFromFormulation(formulation, NULL, NULL, &written));
+  PetscCall(PetscNew(&written));
+  PetscCall(MpmWrittenAddFormulation(formulation, NULL, NULL, written));
   PetscCall(PrintWritten(written));
   PetscCall(MpmTableCreate(formulation, MpmTransferFind("flip"), &numbers, &space, &table));
   PetscCall(MpmReportNodal(table, "# in one dimension with flip, "));
