@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEEPEST 24 /* brackets and operations inside one another */
+#define DEEPEST 24 /* brackets and operands inside one another */
 #define WORD 64    /* characters */
 
 /* What a part of a line is: a number, or a sum of terms with fields. */
@@ -222,13 +222,6 @@ static PetscErrorCode RefuseName(const Reader *r, const char name[])
 static PetscErrorCode ReadSum(Reader *r, Value *sum);
 static PetscErrorCode ReadProduct(Reader *r, Value *product);
 
-static PetscErrorCode Deeper(Reader *r)
-{
-  PetscFunctionBegin;
-  if (++r->depth > DEEPEST) MpmRefuseLine(r->written, r->text, "too many brackets inside one another");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ReadNumber(Reader *r, Value *value)
 {
   char   text[WORD];
@@ -256,9 +249,7 @@ static PetscErrorCode ReadOperation(Reader *r, const char word[], MpmOpKind kind
 
   PetscFunctionBegin;
   if (kind == MPM_GRAD && Next(r) == '.' && !isdigit((unsigned char)r->at[1])) dot = Takes(r, '.');
-  PetscCall(Deeper(r));
   PetscCall(ReadProduct(r, value));
-  r->depth--;
   if (!value->n) MpmRefuseLine(r->written, r->text, "%s acts on a number; allowed: on a field", word);
   for (PetscInt t = 0; t < value->n; t++) {
     MpmTerm *term = &value->term[t];
@@ -276,18 +267,6 @@ static PetscErrorCode ReadOperation(Reader *r, const char word[], MpmOpKind kind
     term->dot    = dot;
     term->stress = stress;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* STRESS stands before GRAD alone. */
-static PetscErrorCode ReadStressGrad(Reader *r, Value *value)
-{
-  char word[WORD];
-
-  PetscFunctionBegin;
-  PetscCall(TakeWord(r, word));
-  if (strcmp(word, "GRAD")) MpmRefuseLine(r->written, r->text, "STRESS acts on a gradient; allowed: STRESS GRAD field");
-  PetscCall(ReadOperation(r, "STRESS GRAD", MPM_GRAD, PETSC_TRUE, value));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -311,8 +290,11 @@ static PetscErrorCode ReadName(Reader *r, Value *value)
     value->number.of[1]  = 1;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (!strcmp(word, "STRESS")) {
-    PetscCall(ReadStressGrad(r, value));
+  if (!strcmp(word, "STRESS")) { /* it stands before GRAD alone */
+    PetscCall(TakeWord(r, word));
+    if (strcmp(word, "GRAD"))
+      MpmRefuseLine(r->written, r->text, "STRESS acts on a gradient; allowed: STRESS GRAD field");
+    PetscCall(ReadOperation(r, "STRESS GRAD", MPM_GRAD, PETSC_TRUE, value));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   operation = FIND(operations, word, MPM_P2G);
@@ -357,7 +339,7 @@ static PetscErrorCode ReadFactor(Reader *r, Value *value)
   const char c = Next(r);
 
   PetscFunctionBegin;
-  PetscCall(Deeper(r));
+  if (++r->depth > DEEPEST) MpmRefuseLine(r->written, r->text, "too many brackets inside one another");
   if (Takes(r, '(')) {
     PetscCall(ReadSum(r, value));
     if (!Takes(r, ')')) MpmRefuseLine(r->written, r->text, "a bracket is not closed");
