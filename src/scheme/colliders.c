@@ -6,8 +6,9 @@
    box       along the axes. With q_a = |x_a - center_a| - size_a / 2 the distance is max_a q_a inside, and |max(q, 0)|
              outside. Inside the normal is that of the nearest face.
    cylinder  a round bar with flat ends, from the middle of one end to that of the other; with dim 2 a rectangle of the
-             width 2 radius, at any angle. With z and r the places along and across the axis, the distances from the ends
-             and from the side are q_z = |z - l / 2| - l / 2 and q_r = r - radius, and those of the box in z and r follow.
+             width 2 radius, at any angle. With z and r the places along and across the axis, the distances from the
+             ends and from the side are q_z = |z - l / 2| - l / 2 and q_r = r - radius, and those of the box in z and
+             r follow.
    cone      from its tip on, around an axis, with an angle between axis and surface; with dim 2 a wedge. It has no end.
              With z = q . axis and r = |q - z axis|, q = x - tip, the distance from the nearest line of the surface is
              r cos a - z sin a, and that from the tip |q|, where the tip is nearest. On the axis the normal is against
@@ -71,8 +72,8 @@ static const MpmColliderShape sphere = {.name     = "sphere",
                                         .extent   = SphereExtent};
 
 /*
-   The distance from a body within n faces at right angles to one another: q[k] is that of face k, whose unit normal e[k]
-   is outward. Inside the nearest face counts.
+   The distance from a body within n faces at right angles to one another: q[k] is that of face k, whose unit normal
+   e[k] is outward. Inside the nearest face counts.
 */
 static PetscReal FromFaces(PetscInt dim, PetscInt n, const PetscReal q[], PetscReal e[][MPM_MAX_DIM],
                            PetscReal normal[])

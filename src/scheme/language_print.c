@@ -84,8 +84,8 @@ static PetscErrorCode LineText(const MpmFormulation *f, const MpmOp *op, size_t 
 }
 
 /*
-   The text of the first of n operations, and how many it is of. A field of particles that is multiplied and then added to
-   is one line, p = v + G2P a_i.
+   The text of the first of n operations, and how many it is of. A field of particles that is multiplied and then added
+   to is one line, p = v + G2P a_i.
 */
 static PetscErrorCode SetText(const MpmFormulation *f, PetscInt n, const MpmOp ops[], size_t room, char text[],
                               PetscInt *used)

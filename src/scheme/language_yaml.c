@@ -1,5 +1,6 @@
 /*
-   The text of a scheme: from YAML to its keys, the names of its fields and parameters, its lines; back to YAML; its hash.
+   The text of a scheme: from YAML to its keys, the names of its fields and parameters, its lines; back to YAML; its
+   hash.
 */
 #include "base/hash.h"
 #include "base/text.h"

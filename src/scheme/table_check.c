@@ -1,6 +1,6 @@
 /*
-   What the interpreters of a table support, and what they ask of it. A table that they would get wrong is refused when it
-   is made.
+   What the interpreters of a table support, and what they ask of it. A table that they would get wrong is refused when
+   it is made.
 */
 #include "scheme/table_builder.h"
 #include <mpmstab/errors.h>

@@ -1,55 +1,55 @@
 /*
    The transfers. P is P2G and W is G2P; g = P q is the node field of the particle field q that a filter F acts on.
 
-     flip, pic, blend  F = s + (1 - s) W P. flip has s = 1, so that particles gain the grid's increments, pic s = 0, and
-                       blend the option blend_ratio. Brackbill and Ruppel 1986; Harlow 1964; Zhu and Bridson 2005, also
-                       Stomakhin et al. 2013, where 0.95 is used
+   flip, pic, blend  F = s + (1 - s) W P. flip has s = 1, so that particles gain the grid's increments, pic s = 0, and
+                     blend the option blend_ratio. Brackbill and Ruppel 1986; Harlow 1964; Zhu and Bridson 2005, also
+                     Stomakhin et al. 2013, where 0.95 is used
 
-     xpic              of order m: F = W sum_{r<m} (I - P W)^r P = I - (I - W P)^m. Order 1 is pic, and large orders
-                       approach nullspace. Hammerquist and Nairn 2017
+   xpic              of order m: F = W sum_{r<m} (I - P W)^r P = I - (I - W P)^m. Order 1 is pic, and large orders
+                     approach nullspace. Hammerquist and Nairn 2017
 
-     fmpm              of order m. P2G divides by the lumped mass of a node. The full mass matrix would divide by P W
-                       besides, and FMPM does so approximately: whatever particles take from the grid, they take of
+   fmpm              of order m. P2G divides by the lumped mass of a node. The full mass matrix would divide by P W
+                     besides, and FMPM does so approximately: whatever particles take from the grid, they take of
 
-                         B g = sum_{r<m} (I - P W)^r g,    which approaches (P W)^{-1} g
+                       B g = sum_{r<m} (I - P W)^r g,    which approaches (P W)^{-1} g
 
-                       instead of the node field g. So velocities become v_p = W B (v_i + a_i), nothing of the old v_p is
-                       kept, and stresses are updated from GRAD B of the nodal velocity. xpic of the same order has the
-                       same filter, but takes the increment a_i and the gradient as they are. Nairn and Hammerquist 2021;
-                       that the gradients take B too is read in the author's program, NairnMPM,
-                       UpdateStrainsFirstTask.cpp
+                     instead of the node field g. So velocities become v_p = W B (v_i + a_i), nothing of the old v_p is
+                     kept, and stresses are updated from GRAD B of the nodal velocity. xpic of the same order has the
+                     same filter, but takes the increment a_i and the gradient as they are. Nairn and Hammerquist 2021;
+                     that the gradients take B too is read in the author's program, NairnMPM,
+                     UpdateStrainsFirstTask.cpp
 
-     nullspace         F = W (P W)^{-1} P takes the null space of P2G out, which is particle data that no node feels. It
-                       is the projection with all nodes and particles of the grid at once. Gritton and Berzins (2017)
-                       filter cell by cell: they take from the particles of each cell the part that the cell's own nodes
-                       do not feel.
+   nullspace         F = W (P W)^{-1} P takes the null space of P2G out, which is particle data that no node feels. It
+                     is the projection with all nodes and particles of the grid at once. Gritton and Berzins (2017)
+                     filter cell by cell: they take from the particles of each cell the part that the cell's own nodes
+                     do not feel.
 
-     apic              pic, and an affine velocity field C_p (x - x_p): P2G takes v_p + C_p (x_i - x_p) at node i, and
+   apic              pic, and an affine velocity field C_p (x - x_p): P2G takes v_p + C_p (x_i - x_p) at node i, and
 
-                         C_p = sum_i phi_ip v_i (x_i - x_p) / D_p,    D_p = sum_i phi_ip (x_i - x_p)^2
+                       C_p = sum_i phi_ip v_i (x_i - x_p) / D_p,    D_p = sum_i phi_ip (x_i - x_p)^2
 
-                       Jiang, Schroeder, Selle, Teran and Stomakhin 2015
+                     Jiang, Schroeder, Selle, Teran and Stomakhin 2015
 
-     tpic              Taylor PIC: apic with C_p = sum_i v_i dphi_ip/dx, which is not the affine field that fits the nodes
-                       best. On hats the two are the same. Nakamura, Matsumura and Mizutani 2023, Taylor particle-in-cell
-                       transfer and kernel correction for material point method
+   tpic              Taylor PIC: apic with C_p = sum_i v_i dphi_ip/dx, which is not the affine field that fits the nodes
+                     best. On hats the two are the same. Nakamura, Matsumura and Mizutani 2023, Taylor particle-in-cell
+                     transfer and kernel correction for material point method
 
-     aflip             the velocities of flip with the affine part of apic. With v_i the velocity on the nodes, of P2G of
-                       velocity and affine part, and w_i = v_i + a_i the new one,
+   aflip             the velocities of flip with the affine part of apic. With v_i the velocity on the nodes, of P2G of
+                     velocity and affine part, and w_i = v_i + a_i the new one,
 
-                         v_p = G2P w_i + ratio (v_p - G2P v_i),    C_p = sum_i phi_ip w_i (x_i - x_p) / D_p
+                       v_p = G2P w_i + ratio (v_p - G2P v_i),    C_p = sum_i phi_ip w_i (x_i - x_p) / D_p
 
-                       With a ratio of 1 velocities gain G2P a_i, and with 0 it is apic. A node has three numbers of a
-                       wave, P2G of the velocity and of the affine part and the increment, so there is no closed form of
-                       two amplification factors. Fei, Guo, Wu, Huang and Gao 2021
+                     With a ratio of 1 velocities gain G2P a_i, and with 0 it is apic. A node has three numbers of a
+                     wave, P2G of the velocity and of the affine part and the increment, so there is no closed form of
+                     two amplification factors. Fei, Guo, Wu, Huang and Gao 2021
 
-     asflip            aflip with a correction of positions, which lets particles separate more easily,
+   asflip            aflip with a correction of positions, which lets particles separate more easily,
 
-                         x_p = x_p + dt (G2P w_i + b ratio (v_p - G2P v_i)),    b = 0 where a particle is compressed
+                       x_p = x_p + dt (G2P w_i + b ratio (v_p - G2P v_i)),    b = 0 where a particle is compressed
 
-                       A linear step does not see the correction: it is proportional to the perturbation, and moves a
-                       particle in a velocity that is the same everywhere and a stress that is 0. What a perturbation of
-                       places changes is of second order. So in this program asflip is aflip. Fei et al. 2021
+                     A linear step does not see the correction: it is proportional to the perturbation, and moves a
+                     particle in a velocity that is the same everywhere and a stress that is 0. What a perturbation of
+                     places changes is of second order. So in this program asflip is aflip. Fei et al. 2021
 */
 #include <mpmstab/table.h>
 #include <math.h>

@@ -277,7 +277,10 @@ static PetscErrorCode LookAt(Reader *r, PetscInt which, const PetscReal beta[], 
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Finds the largest growth of a case, the first phase that has it, and the condition number of its amplification factor. */
+/*
+   Finds the largest growth of a case, the first phase that has it, and the condition number of its amplification
+   factor.
+*/
 static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, PetscInt which, MpmSymbol *s)
 {
   PetscInt class = s->classes;

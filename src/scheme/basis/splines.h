@@ -1,8 +1,8 @@
 /*
-   The weights of B-splines of uniform knots: quadratic ones where a particle has NODES = 3 of them, cubic ones where it has
-   4. A file includes this header after nodes.h. With KNOTS_ON_NODES the splines of a cell are those of open knot vectors,
-   whose knots are the ends of cells; else splines are centred on the nodes, and the first one is left of the cell. Then a
-   particle has quadratic splines at its nearest node, which is its cell's left or right one, and at that node's neighbours.
+   The weights of B-splines of uniform knots: quadratic ones where a particle has NODES = 3 of them, cubic ones where it
+   has 4. A file includes this header after nodes.h. With KNOTS_ON_NODES the splines of a cell are those of open knot
+   vectors, whose knots are the ends of cells; else splines are centred on the nodes. Then a particle has quadratic
+   splines at its nearest node, which is its cell's left or right one, and at that node's neighbours.
 */
 #pragma once
 #include <mpmstab/compat.h>

@@ -9,8 +9,8 @@
              2002
      usf     update stress first: from the old nodal velocity, before the forces. Bardenhagen 2002
      musl    modified update stress last: from P2G of the new velocity. Sulsky, Zhou and Schreyer 1995; Bardenhagen 2002
-     usavg   update stress averaged: half first, and half last from P2G of the new velocity. Nairn 2003; it is the default
-             of NairnMPM
+     usavg   update stress averaged: half first, and half last from P2G of the new velocity. Nairn 2003; it is the
+             default of NairnMPM
      verlet  a part first, and the rest, share w, last. w = 1/2 is the velocity Verlet of particles on a grid; w = 0 is
              usf and w = 1 is usl. Unlike usavg, both parts are taken from nodal velocities of one P2G: the new velocity
              of the particles is not projected a second time.
@@ -128,8 +128,8 @@ static PetscInt VerletLines(const MpmSchemeNumbers *numbers, const MpmTransfer *
      a = - b - (p + d) v,    v' = f v + alpha a,    b' = b + p v + q (v + a) + x (v + m a)
 
    with p = (1 - w) k^2 kappa, q = w k^2 kappa, d = k drag, x = k^2 chi, and m the share of the new velocity that
-   particles move with. Of usf, musl and usavg w is 0: they update the stress from P2G of the particles' velocity, not from
-   a nodal velocity that was advanced on the grid.
+   particles move with. Of usf, musl and usavg w is 0: they update the stress from P2G of the particles' velocity, not
+   from a nodal velocity that was advanced on the grid.
 */
 static PetscReal Growth(const MpmCellSymbols *cell, PetscReal k, PetscReal w, PetscReal m)
 {
@@ -211,8 +211,9 @@ static PetscReal VerletBound(const MpmSchemeNumbers *numbers, const MpmTransfer 
 
 /* clang-format off */
 #define AHEAD                                                                                                          \
-  .corrected_text = "tr = 1 + f - alpha s, det = f, s = k^2 kappa", .limit_text = "alpha s <= 2 (1 + f), s = k^2 kappa", \
-  .corrected = AheadGrowth, .limit = AheadLimit, .mls_bound = PETSC_TRUE, .leftmost = PETSC_TRUE,                      \
+  .corrected_text = "tr = 1 + f - alpha s, det = f, s = k^2 kappa",                                                    \
+  .limit_text = "alpha s <= 2 (1 + f), s = k^2 kappa", .corrected = AheadGrowth, .limit = AheadLimit,                  \
+  .mls_bound = PETSC_TRUE, .leftmost = PETSC_TRUE,                                                                     \
   .step_bound = AheadBound
 /* clang-format on */
 

@@ -140,7 +140,9 @@ static void Own(const MpmMaterialNumbers *m, const Run *run, PetscInt dim, Petsc
     own[c] = all[ComponentOf(m->several, run->i, dim, c)] + run->begin;
 }
 
-/* The arrays of F and dF are only read; those of out are F's for a return. Returns what MpmMaterialReturnTangent does. */
+/*
+   The arrays of F and dF are only read; those of out are F's for a return. Returns what MpmMaterialReturnTangent does.
+*/
 static PetscInt EachRun(Kind kind, const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, MpmBranch branch,
                         const PetscReal *const F[], const PetscReal *const dF[], PetscReal *const out[])
 {
