@@ -22,7 +22,7 @@ MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("rk4: a coefficient by 1e-6", FORMULATION + "rk.c", "{1. / 4, 1. / 3, 1. / 2, 1}", "{1. / 4, 1.000001 / 3, 1. / 2, 1}"),
     ("implicit: the matrix by 1e-6", FORMULATION + "implicit.c", "IMPLICIT(A_I, theta * theta,", "IMPLICIT(A_I, 1.000001 * theta * theta,"),
     ("gas1: no Courant number", FORMULATION + "gas.c", "GRAD(R, U_I, COURANT)", "GRAD(R, U_I, ONE)"),
-    ("gas2: no Courant number", FORMULATION + "gas.c", "GRAD(U, R_I, COURANT)", "GRAD(U, R_I, ONE)"),
+    ("gas2: no Courant number", FORMULATION + "gas.c", "GRAD(U, R_I, COURANT), /* 2.", "GRAD(U, R_I, ONE), /* 2."),
     ("elastic: increment times k", FORMULATION + "elastic.c", "G2P(W, A_I, ONE)", "G2P(W, A_I, COURANT)"),
     ("linear: weight by 1e-9", BASIS + "linear.c", "phi[1] = xi;", "phi[1] = xi * (1 + 1e-9);"),
     ("gimp: weight by 1e-6", BASIS + "gimp.c", "/ (4 * l);", "/ (4.000004 * l);"),
