@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 
-FORMULATION, BASIS, TRANSFER = "src/scheme/formulation/", "src/scheme/basis/", "src/scheme/transfer/"
+FORMULATION, BASIS, TRANSFER = "src/scheme/formulation/", "src/scheme/basis/", "src/scheme/transfers.c"
 MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("usl: half a strain", FORMULATION + "usl.c", "GRAD(S, V_I, COURANT),      /* 5.", "HALF_GRAD(S, V_I, COURANT), /* 5."),
     ("usf: half a strain", FORMULATION + "usf.c", "GRAD(S, V_I, COURANT),      /* 2.", "HALF_GRAD(S, V_I, COURANT), /* 2."),
@@ -30,13 +30,13 @@ MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("cubic: slope by 1e-6", BASIS + "splines.h", "-2 * xi + 1.5 * xi * xi", "-2 * xi + 1.500001 * xi * xi"),
     ("open ends: weight by 1e-6", BASIS + "cubic_open.c", "1.5 * w[step]", "1.500001 * w[step]"),
     ("modified ends: sign", BASIS + "modified.h", "w[2 * step] -= w[0];", "w[2 * step] += w[0];"),
-    ("pic: factor by 1e-9", TRANSFER + "pic.c", "G2P(particle, node, ONE)", "G2P_TIMES(particle, node, 1 + 1e-9, ONE)"),
-    ("blend: share by 1e-6", TRANSFER + "blend.c", "1 - numbers->ratio, ONE", "1.000001 - numbers->ratio, ONE"),
-    ("xpic: term by 1e-6", TRANSFER + "xpic.c", "smoothed, -1)", "smoothed, -1.000001)"),
-    ("fmpm: symbol of one term less", TRANSFER + "fmpm.c", "r < numbers->order; r++) sum", "r < numbers->order - 1; r++) sum"),
-    ("aflip: share by 1e-6", TRANSFER + "aflip.c", "1 - numbers->affine_ratio, ONE", "1.000001 - numbers->affine_ratio, ONE"),
-    ("tpic: no gradient of the functions", TRANSFER + "tpic.c", ".taylor        = PETSC_TRUE,", ""),
-    ("nullspace: symbol by 1e-6", TRANSFER + "nullspace.c", "return alpha > 0 ? 1 : 0;", "return alpha > 0 ? 0.999999 : 0;"),
+    ("pic: factor by 1e-9", TRANSFER, "AppendShare(table, 0,", "AppendShare(table, -1e-9,"),
+    ("blend: share by 1e-6", TRANSFER, "AppendShare(table, numbers->ratio,", "AppendShare(table, numbers->ratio + 1e-6,"),
+    ("xpic: term by 1e-6", TRANSFER, "smoothed, -1)", "smoothed, -1.000001)"),
+    ("fmpm: symbol of one term less", TRANSFER, "r < numbers->order; r++) sum", "r < numbers->order - 1; r++) sum"),
+    ("aflip: share by 1e-6", TRANSFER, "1 - numbers->affine_ratio, ONE", "1.000001 - numbers->affine_ratio, ONE"),
+    ("tpic: no gradient of the functions", TRANSFER, ".taylor    = PETSC_TRUE,", ""),
+    ("nullspace: symbol by 1e-6", TRANSFER, "return alpha > 0 ? 1 : 0;", "return alpha > 0 ? 0.999999 : 0;"),
     ("halo: lost sums of other ranks", "src/march/grid.c", "MPIU_SUM", "MPI_REPLACE"),
     ("symbol: growth of the least rank", "src/symbol/symbol.c", "&s->growth, 1, MPIU_REAL, MPI_MAX",
      "&s->growth, 1, MPIU_REAL, MPI_MIN"),

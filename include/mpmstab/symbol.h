@@ -53,10 +53,10 @@ typedef struct {
    per_phase    - per_phase[i]: the growth of class first + i
    without_null - without_null[i]: the growth of class first + i without the null space of P2G, which is particle data
                   that no node feels. Left out are the amplification factors nearest to 1, or nearest to the transfer's
-                  null_factor where a filter acts on the field. Of a field they are all but so many as nodes have
-                  numbers of it: 1 for a number, dim for a vector with its affine part, and dim for a stress, whose
-                  forces are a vector. NULL where a period has more than one step, and for transfers without
-                  null_factor.
+                  filter symbol at alpha = 0 where a filter acts on the field. Of a field they are all but so many as
+                  nodes have numbers of it: 1 for a number, dim for a vector with its affine part, and dim for a stress,
+                  whose forces are a vector. NULL where a period has more than one step, and for transfers without
+                  filter symbol.
    factors      - NULL unless kept. factors[2 (size i + j)] and the next number are the real and the imaginary part of
                   amplification factor j of class first + i, divided by 2^exponents[i].
    exponents    - see factors

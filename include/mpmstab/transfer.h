@@ -35,7 +35,8 @@ struct MpmSchemeNumbers_ {
    filter        - appends the operations of F to a table; NULL: F is the identity. particle is the number of field q
                    and node that of g.
    filter_symbol - the filter symbol: the symbol of P F over that of P, as a function of alpha, the symbol of P W. The
-                   filter multiplies P q of a Fourier mode q by it. NULL: there is no closed form.
+                   filter multiplies P q of a Fourier mode q by it, and at alpha = 0 the null space of P2G, which is
+                   particle data that no node feels. NULL: there is no closed form.
    sharpen       - appends operations that make of a node field the field that particles take in G2P and GRAD, in the
                    node register *sharp, a new one for MPM_NONE, or that of the last time; NULL: they take the node
                    field itself
@@ -46,8 +47,6 @@ struct MpmSchemeNumbers_ {
    step_bound    - a formulation's step_bound may hold for this transfer: F is between 0 and 1 in the masses
    quiet         - particles gain no more energy than the nodes, whatever the layout; with an affine part where D is the
                    same at all places (docs/theory.md, section 12)
-   null_factor   - the number by which F multiplies the null space of P2G, which is particle data that no node feels.
-                   NULL where filter_symbol is NULL.
    number        - the value of option; NULL where option is NULL
    nlines, lines - of a transfer as text: its operations, on nparticles and nnodes registers of its own, of which the
                    first is q and g. filter puts them into a table.
@@ -60,7 +59,6 @@ struct MpmTransfer_ {
   PetscErrorCode (*sharpen)(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt node, PetscInt *sharp);
   PetscReal (*filter_symbol)(const MpmSchemeNumbers *numbers, PetscReal alpha);
   PetscReal (*sharp_symbol)(const MpmSchemeNumbers *numbers, PetscReal alpha);
-  PetscReal (*null_factor)(const MpmSchemeNumbers *numbers);
   PetscReal (*number)(const MpmSchemeNumbers *numbers);
   PetscInt     nlines, nparticles, nnodes;
   const MpmOp *lines;
@@ -71,42 +69,3 @@ extern const MpmTransfer *const MpmTransfers[];
 
 /* Not collective. The transfer of a name, or NULL when there is none. */
 const MpmTransfer *MpmTransferFind(const char name[]);
-
-/* Not collective. The null_factor of transfers that keep nothing of the null space of P2G. It is 0. */
-PetscReal MpmTransferForgets(const MpmSchemeNumbers *numbers);
-
-/*
-   MpmTransferFromGrid - appends F = W P, the filter of pic, apic and tpic. MpmTableAppend adds the affine part.
-   MpmTransferFromGridSymbol - its filter symbol. With the affine part P2G G2P is the filter, and alpha its symbol.
-
-   Not collective.
-*/
-PetscErrorCode MpmTransferFromGrid(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node);
-PetscReal      MpmTransferFromGridSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha);
-
-/*
-   MpmTransferSum - appends sum_{r<m} (I - P W)^r of a node field, m = numbers->order, to the node register *sum, which
-   is a new one for MPM_NONE, or that of an earlier sum of this field. With m = 1 it is the field itself, and nothing is
-   appended. xpic filters with it, and fmpm sharpens with it.
-   MpmTransferXpic - appends F = W sum_{r<m} (I - P W)^r P = I - (I - W P)^m, the filter of xpic and of fmpm
-   MpmTransferXpicSymbol - its filter symbol, 1 - (1 - alpha)^m
-
-   Not collective.
-*/
-PetscErrorCode MpmTransferSum(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt node, PetscInt *sum);
-PetscErrorCode MpmTransferXpic(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle, PetscInt node);
-PetscReal      MpmTransferXpicSymbol(const MpmSchemeNumbers *numbers, PetscReal alpha);
-
-/* Not collective. The number of transfers with the option xpic_order: the order. */
-PetscReal MpmTransferOrder(const MpmSchemeNumbers *numbers);
-
-/*
-   MpmTransferAffineFlip - appends the filter of aflip and asflip: v = ratio v + (1 - ratio) W g for the velocity, and 0
-   + the affine map of g for the affine part, with ratio = numbers->affine_ratio and g the velocity on the nodes
-   MpmTransferAffineRatio - their number: affine_ratio
-
-   Not collective.
-*/
-PetscErrorCode MpmTransferAffineFlip(MpmTable *table, const MpmSchemeNumbers *numbers, PetscInt particle,
-                                     PetscInt node);
-PetscReal      MpmTransferAffineRatio(const MpmSchemeNumbers *numbers);

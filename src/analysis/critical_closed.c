@@ -103,7 +103,7 @@ PetscErrorCode MpmCriticalByClosedForm(const MpmLayout *layout, const MpmScheme 
   Closed       closed = {.predictor = &predictor, .of = scheme->formulation->limit};
 
   PetscFunctionBegin;
-  PetscCall(MpmPredictorCreate(layout, scheme, drifts, &predictor));
+  PetscCall(MpmPredictorCreate(layout, scheme, drifts, NULL, &predictor));
   c->closed = NAN;
   if (!predictor.why_not && scheme->formulation->limit && scheme->formulation->corrected &&
       !MpmSpaceIsPrestressed(&scheme->space)) {
@@ -147,7 +147,7 @@ PetscErrorCode MpmCriticalQuiet(const MpmCriticalCase *of, PetscReal *quiet)
   if (MpmCriticalWhyNotQuiet(of)) PetscFunctionReturn(PETSC_SUCCESS);
   *quiet = INFINITY;
   PetscCall(MpmStepPeriod(&of->step, &period));
-  PetscCall(MpmPredictorCreateFrozen(of->layout, of->scheme, of->step.drift, &predictor));
+  PetscCall(MpmPredictorCreate(of->layout, of->scheme, PETSC_FALSE, of->step.drift, &predictor));
   for (; predictor.at < period; predictor.at++) {
     MpmCritical least = {.closed = NAN};
 
@@ -328,7 +328,7 @@ PetscErrorCode MpmCriticalConfirmed(const MpmCriticalCase *of, const MpmCritical
   PetscReal    tolerated;
 
   PetscFunctionBegin;
-  PetscCall(MpmPredictorCreate(of->layout, of->scheme, PETSC_FALSE, &predictor));
+  PetscCall(MpmPredictorCreate(of->layout, of->scheme, PETSC_FALSE, NULL, &predictor));
   c->order     = of->scheme->table->nstate * MpmLayoutPpc(of->layout);
   c->phases    = of->layout->dim > 1 ? MpmCriticalSamples(of->layout, of->scheme) : 0;
   c->courant   = c->closed;

@@ -425,7 +425,7 @@ static PetscErrorCode Compare(MPI_Comm comm, MpmSpectrum *s)
 
   PetscFunctionBegin;
   PetscCall(MpmPredict(scene, &s->predictions));
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &s->predictor));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), NULL, &s->predictor));
   if (!MpmSymbolWhyNot(&scene->layout)) {
     MpmSymbolWish wish = {.keep = PETSC_TRUE, .tolerance = s->request->tolerance};
 

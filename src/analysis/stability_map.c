@@ -409,7 +409,7 @@ static PetscErrorCode PublishedLimit(MpmStabilityMap *map)
 
   PetscFunctionBegin;
   if (!MpmRequestVaries(map->request, MPM_AXIS_COURANT)) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmPredictorCreate(&map->scene->layout, &map->scene->scheme, PETSC_FALSE, &predictor));
+  PetscCall(MpmPredictorCreate(&map->scene->layout, &map->scene->scheme, PETSC_FALSE, NULL, &predictor));
   if (!predictor.why_not_published) map->published_limit = map->scene->scheme.formulation->published_limit;
   PetscCall(MpmPredictorDestroy(&predictor));
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -15,16 +15,9 @@
 #include "scheme/material/tensors.h"
 #include <math.h>
 
-INLINE PetscReal Determinant(const int dim, const PetscReal f[])
-{
-  if (dim == 1) return f[0];
-  if (dim == 2) return f[0] * f[3] - f[1] * f[2];
-  return f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) + f[2] * (f[3] * f[7] - f[4] * f[6]);
-}
-
 PetscReal MpmDeterminant(PetscInt dim, const PetscReal F[])
 {
-  return dim == 1 ? Determinant(1, F) : dim == 2 ? Determinant(2, F) : Determinant(3, F);
+  return dim == 1 ? Volume(1, F) : dim == 2 ? Volume(2, F) : Volume(3, F);
 }
 
 /*
@@ -55,7 +48,7 @@ INLINE PetscInt64 Stretch(const int dim, PetscInt n, const PetscReal twice, Pets
       EACH (b, dim)
         EACH (c, dim) now[dim * a + b] += l[dim * a + c][p] * some[dim * c + b];
     EACH (c, dim * dim) f[c][p] = now[c];
-    det = Determinant(dim, now);
+    det = Volume(dim, now);
     bad += det > 0 && det <= PETSC_MAX_REAL ? 0 : 1;
   }
   return bad;
@@ -205,27 +198,6 @@ static void Pull(const Ahead *s, PetscInt p, const PetscReal t[], PetscReal sum[
       for (PetscInt c = 0; c < dim; c++) sum[dim * a + b] += Of(dim, t, a, c) * s->inverse[dim * c + b][p];
 }
 
-PetscInt MpmStressAhead(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, PetscReal a, const PetscReal *const L[],
-                        const PetscReal *const F[], PetscReal *const T[])
-{
-  PetscInt bad = n;
-  Ahead    s;
-
-  for (PetscInt begin = 0; begin < n; begin += BLOCK) {
-    const PetscInt count = PetscMin(n - begin, BLOCK), first = Begin(m, dim, begin, count, a, L, F, &s);
-
-    if (first < count) bad = PetscMin(bad, begin + first);
-    for (PetscInt p = 0; p < count; p++) {
-      PetscReal tau[6], pulled[9] = {0};
-
-      Load(dim * (dim + 1) / 2, p, (const PetscReal *const *)s.to, tau);
-      Pull(&s, p, tau, pulled);
-      for (PetscInt c = 0; c < dim * dim; c++) T[c][begin + p] = pulled[c];
-    }
-  }
-  return bad;
-}
-
 /* dA and A dF + dA F of a particle. */
 static void Differ(const Ahead *s, PetscInt begin, PetscInt p, PetscReal a, const PetscReal *const L[],
                    const PetscReal *const F[], const PetscReal *const dL[], const PetscReal *const dF[], PetscReal dA[],
@@ -245,37 +217,55 @@ static void Differ(const Ahead *s, PetscInt begin, PetscInt p, PetscReal a, cons
   Multiply(dim, dA, old, dnow);
 }
 
+/* Sets out to T, or with differs to dT. Returns the first particle whose volume is not positive and finite, or n. */
+static PetscInt Find(PetscBool differs, const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, PetscReal a,
+                     const PetscReal *const L[], const PetscReal *const F[], const PetscReal *const dL[],
+                     const PetscReal *const dF[], PetscReal *const out[])
+{
+  const PetscInt tensor = dim * dim, symmetric = dim * (dim + 1) / 2;
+  PetscInt       bad = n;
+  Ahead          s;
+
+  for (PetscInt begin = 0; begin < n; begin += BLOCK) {
+    const PetscInt count = PetscMin(n - begin, BLOCK), first = Begin(m, dim, begin, count, a, L, F, &s);
+    PetscReal      dA[BLOCK][9];
+
+    if (first < count) bad = PetscMin(bad, begin + first);
+    for (PetscInt p = 0; p < count && differs; p++) {
+      PetscReal dnow[9];
+
+      Differ(&s, begin, p, a, L, F, dL, dF, dA[p], dnow);
+      for (PetscInt c = 0; c < tensor; c++) s.dF[c][p] = dnow[c];
+    }
+    if (differs) MpmMaterialTangent(m, dim, count, s.from, s.along, s.dto);
+    for (PetscInt p = 0; p < count; p++) {
+      PetscReal tau[6], dtau[6], T[9] = {0}, turned[9] = {0}, sum[9] = {0};
+
+      Load(symmetric, p, (const PetscReal *const *)s.to, tau);
+      Pull(&s, p, tau, T);
+      if (differs) Load(symmetric, p, (const PetscReal *const *)s.dto, dtau);
+      if (differs) Pull(&s, p, dtau, sum);
+      for (PetscInt i = 0; i < dim * tensor && differs; i++) /* T dA^T */
+        turned[i / dim] += T[i / dim / dim * dim + i % dim] * dA[p][i / dim % dim * dim + i % dim];
+      for (PetscInt c = 0; c < tensor; c++) {
+        for (PetscInt d = 0; d < dim && differs; d++)
+          sum[c] -= turned[c / dim * dim + d] * s.inverse[dim * d + c % dim][p];
+        out[c][begin + p] = differs ? sum[c] : T[c];
+      }
+    }
+  }
+  return bad;
+}
+
+PetscInt MpmStressAhead(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, PetscReal a, const PetscReal *const L[],
+                        const PetscReal *const F[], PetscReal *const T[])
+{
+  return Find(PETSC_FALSE, m, dim, n, a, L, F, NULL, NULL, T);
+}
+
 void MpmStressAheadTangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, PetscReal a,
                            const PetscReal *const L[], const PetscReal *const F[], const PetscReal *const dL[],
                            const PetscReal *const dF[], PetscReal *const dT[])
 {
-  Ahead s;
-
-  for (PetscInt begin = 0; begin < n; begin += BLOCK) {
-    const PetscInt count = PetscMin(n - begin, BLOCK);
-    PetscReal      dA[BLOCK][9];
-
-    (void)Begin(m, dim, begin, count, a, L, F, &s);
-    for (PetscInt p = 0; p < count; p++) {
-      PetscReal dnow[9];
-
-      Differ(&s, begin, p, a, L, F, dL, dF, dA[p], dnow);
-      for (PetscInt c = 0; c < dim * dim; c++) s.dF[c][p] = dnow[c];
-    }
-    MpmMaterialTangent(m, dim, count, s.from, s.along, s.dto);
-    for (PetscInt p = 0; p < count; p++) {
-      PetscReal tau[6], dtau[6], T[9] = {0}, turned[9] = {0}, sum[9] = {0};
-
-      Load(dim * (dim + 1) / 2, p, (const PetscReal *const *)s.to, tau);
-      Load(dim * (dim + 1) / 2, p, (const PetscReal *const *)s.dto, dtau);
-      Pull(&s, p, dtau, sum);
-      Pull(&s, p, tau, T);
-      for (PetscInt i = 0; i < dim * dim * dim; i++) /* T dA^T */
-        turned[i / dim] += T[i / dim / dim * dim + i % dim] * dA[p][i / dim % dim * dim + i % dim];
-      for (PetscInt c = 0; c < dim * dim; c++) {
-        for (PetscInt d = 0; d < dim; d++) sum[c] -= turned[c / dim * dim + d] * s.inverse[dim * d + c % dim][p];
-        dT[c][begin + p] = sum[c];
-      }
-    }
-  }
+  (void)Find(PETSC_TRUE, m, dim, n, a, L, F, dL, dF, dT);
 }

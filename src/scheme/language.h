@@ -92,9 +92,7 @@ struct MpmWritten_ {
 PetscErrorCode MpmWrittenFromYaml(const char file[], yaml_document_t *document, const yaml_node_t *node,
                                   MpmWritten **written);
 
-/* Not collective. The text of a formulation; what that does not say, such as closed forms, is left out. */
-PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *formulation, const MpmSchemeNumbers *numbers,
-                                         const MpmTransfer *transfer, MpmWritten **written);
+/* Not collective. Adds the text of a formulation; what that does not say, such as closed forms, is left out. */
 PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *formulation, const MpmSchemeNumbers *numbers,
                                         const MpmTransfer *transfer, MpmWritten *written);
 

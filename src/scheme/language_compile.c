@@ -453,23 +453,20 @@ PetscErrorCode MpmCompileLine(MpmCompiler *c, MpmWrittenLine *line)
   PetscFunctionBegin;
   if (c->drifts) Refuse(c, "a line comes after DRIFT; allowed: DRIFT as the last line");
   for (PetscInt t = 0; t < line->nterms; t++) PetscCall(CheckTerm(c, line, &line->term[t]));
-  if (line->kind == MPM_LINE_SET && line->place == MPM_ON_NODES)
-    PetscCall(SetNodes(c, line));
-  else if (line->kind == MPM_LINE_SET)
-    PetscCall(SetParticles(c, line));
-  else if (line->kind == MPM_LINE_FILTER)
-    PetscCall(Filter(c, line));
-  else if (line->kind == MPM_LINE_IMPOSE)
+  if (line->op == MPM_LINE_SETS)
+    PetscCall(line->place == MPM_ON_NODES ? SetNodes(c, line) : SetParticles(c, line));
+  else if (line->op == MPM_IMPOSE)
     PetscCall(Impose(c, line));
-  else if (line->kind == MPM_LINE_REACT)
+  else if (line->op == MPM_REACT)
     PetscCall(React(c, line));
-  else if (line->kind == MPM_LINE_MOVE)
+  else if (line->op == MPM_MOVE || line->op == MPM_MOVE_PROJECTED)
     PetscCall(Move(c, line));
-  else if (line->kind == MPM_LINE_IMPLICIT)
+  else if (line->op == MPM_IMPLICIT)
     PetscCall(Implicit(c, line));
-  else {
+  else if (line->op == MPM_DRIFT) {
     c->drifts = PETSC_TRUE;
     PetscCall(Emit(c, (MpmOp)DRIFT));
-  }
+  } else
+    PetscCall(Filter(c, line));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

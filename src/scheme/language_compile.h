@@ -29,30 +29,19 @@ typedef struct {
 #define MPM_MOST_TERMS 24
 
 /*
-   MPM_LINE_SET   - field = terms; with adds field += terms, where 'field -= terms' has become a sum
-   MPM_LINE_IMPOSE, MPM_LINE_REACT, MPM_LINE_FILTER, MPM_LINE_MOVE - with their fields; of a FILTER field is that of
-                    particles. op says which of the filters, or of MOVE and MOVE_PROJECTED, it is; share: how much of a
-                    field particles move with
-   MPM_LINE_IMPLICIT - with its field, and its number as the factor of a term
+   A line as it is understood. op is its statement: IMPOSE, REACT, one of the filters, MOVE, MOVE_PROJECTED, IMPLICIT or
+   DRIFT; of a FILTER field is that of particles, and other that of nodes. MPM_LINE_SETS: the line sets a field, field =
+   terms; with adds field += terms, where 'field -= terms' has become a sum. share: how much of a field particles move
+   with. IMPLICIT has its number as the factor of a term.
 */
-typedef enum {
-  MPM_LINE_SET,
-  MPM_LINE_IMPOSE,
-  MPM_LINE_REACT,
-  MPM_LINE_FILTER,
-  MPM_LINE_MOVE,
-  MPM_LINE_IMPLICIT,
-  MPM_LINE_DRIFT
-} MpmLineKindOf;
-
+#define MPM_LINE_SETS MPM_COPY
 typedef struct {
-  MpmLineKindOf kind;
-  MpmOpKind     op;
-  MpmPlace      place;
-  PetscInt      field, other, nterms;
-  PetscBool     adds;
-  PetscReal     share;
-  MpmTerm       term[MPM_MOST_TERMS];
+  MpmOpKind op;
+  MpmPlace  place;
+  PetscInt  field, other, nterms;
+  PetscBool adds;
+  PetscReal share;
+  MpmTerm   term[MPM_MOST_TERMS];
 } MpmWrittenLine;
 
 /* Collective. Reads a line. numbers: the values of the parameters. Refuses what is not one of the language's lines. */
@@ -121,6 +110,3 @@ PetscErrorCode MpmCompilerBegin(MpmCompiler *compiler);
 /* Collective. The transfer of a written scheme. *transfer is to be destroyed after a refusal, too. */
 PetscErrorCode MpmWrittenCompileTransfer(const MpmWritten *written, const PetscReal numbers[], MpmTransfer **transfer);
 PetscErrorCode MpmWrittenTransferDestroy(MpmTransfer **transfer);
-
-/* Not collective. The line that says an operation on fields of a formulation. */
-PetscErrorCode MpmWrittenLineText(const MpmFormulation *formulation, const MpmOp *op, size_t room, char text[]);

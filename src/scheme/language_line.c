@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEEPEST 24 /* brackets and operations inside one another */
+#define DEEPEST 24 /* brackets and operands inside one another */
 #define WORD 64    /* characters */
 
 /* What a part of a line is: a number, or a sum of terms with fields. */
@@ -35,41 +35,47 @@ typedef struct {
   PetscInt              depth;
 } Reader;
 
-static const struct {
+typedef struct {
   const char *word;
   MpmOpKind   kind;
-} operations[] = {{"P2G", MPM_P2G},   {"DIV", MPM_DIV}, {"G2P", MPM_G2P},
-                  {"GRAD", MPM_GRAD}, {"LAP", MPM_LAP}, {"SOLVE", MPM_SOLVE}};
-
-static const struct {
-  const char   *word;
-  MpmLineKindOf kind;
-  MpmOpKind     op;
-} statements[] = {{"IMPOSE", MPM_LINE_IMPOSE, MPM_IMPOSE},
-                  {"REACT", MPM_LINE_REACT, MPM_REACT},
-                  {"FILTER", MPM_LINE_FILTER, MPM_FILTER},
-                  {"FILTER_BEFORE", MPM_LINE_FILTER, MPM_FILTER_BEFORE},
-                  {"FILTER_AFTER", MPM_LINE_FILTER, MPM_FILTER_AFTER},
-                  {"MOVE", MPM_LINE_MOVE, MPM_MOVE},
-                  {"MOVE_PROJECTED", MPM_LINE_MOVE, MPM_MOVE_PROJECTED},
-                  {"IMPLICIT", MPM_LINE_IMPLICIT, MPM_IMPLICIT},
-                  {"DRIFT", MPM_LINE_DRIFT, MPM_DRIFT}};
+} Word;
+static const Word operations[] = {{"P2G", MPM_P2G},   {"DIV", MPM_DIV}, {"G2P", MPM_G2P},
+                                  {"GRAD", MPM_GRAD}, {"LAP", MPM_LAP}, {"SOLVE", MPM_SOLVE}};
+static const Word statements[] = {{"IMPOSE", MPM_IMPOSE},
+                                  {"REACT", MPM_REACT},
+                                  {"FILTER", MPM_FILTER},
+                                  {"FILTER_BEFORE", MPM_FILTER_BEFORE},
+                                  {"FILTER_AFTER", MPM_FILTER_AFTER},
+                                  {"MOVE", MPM_MOVE},
+                                  {"MOVE_PROJECTED", MPM_MOVE_PROJECTED},
+                                  {"IMPLICIT", MPM_IMPLICIT},
+                                  {"DRIFT", MPM_DRIFT}};
 
 const char *const MpmRankNames[] = {"scalar", "vector", "stress"};
 
+/* The entry of a word, or with a NULL of a kind; NULL: there is none. */
+static const Word *Find(size_t n, const Word words[], const char word[], MpmOpKind kind)
+{
+  for (size_t i = 0; i < n; i++)
+    if (word ? !strcmp(words[i].word, word) : words[i].kind == kind) return &words[i];
+  return NULL;
+}
+
+#define FIND(words, word, kind) Find(PETSC_STATIC_ARRAY_LENGTH(words), words, word, kind)
+
 const char *MpmOperationWord(MpmOpKind kind, PetscBool dot, PetscBool stress)
 {
+  const Word *found = FIND(operations, NULL, kind);
+
   if (kind == MPM_GRAD && (dot || stress)) return dot ? "GRAD ." : "STRESS GRAD";
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(operations); i++)
-    if (operations[i].kind == kind) return operations[i].word;
-  return "";
+  return found ? found->word : "";
 }
 
 const char *MpmStatementWord(MpmOpKind kind)
 {
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(statements); i++)
-    if (statements[i].op == kind) return statements[i].word;
-  return NULL;
+  const Word *found = FIND(statements, NULL, kind);
+
+  return found ? found->word : NULL;
 }
 
 PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText *where, const char format[], ...)
@@ -90,11 +96,10 @@ PetscErrorCode MpmWrittenRefuse(const MpmWritten *written, const MpmWrittenText 
 
 PetscBool MpmWrittenIsWord(const char name[])
 {
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(operations); i++)
-    if (!strcmp(name, operations[i].word)) return PETSC_TRUE;
-  for (size_t i = 0; i < PETSC_STATIC_ARRAY_LENGTH(statements); i++)
-    if (!strcmp(name, statements[i].word)) return PETSC_TRUE;
-  return !strcmp(name, "STRESS") || !strcmp(name, "k") ? PETSC_TRUE : PETSC_FALSE;
+  return FIND(operations, name, MPM_P2G) || FIND(statements, name, MPM_P2G) || !strcmp(name, "STRESS") ||
+                 !strcmp(name, "k")
+             ? PETSC_TRUE
+             : PETSC_FALSE;
 }
 
 MpmPlace MpmWrittenFindField(const MpmWritten *w, const char name[], PetscInt *field)
@@ -217,13 +222,6 @@ static PetscErrorCode RefuseName(const Reader *r, const char name[])
 static PetscErrorCode ReadSum(Reader *r, Value *sum);
 static PetscErrorCode ReadProduct(Reader *r, Value *product);
 
-static PetscErrorCode Deeper(Reader *r)
-{
-  PetscFunctionBegin;
-  if (++r->depth > DEEPEST) MpmRefuseLine(r->written, r->text, "too many brackets inside one another");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ReadNumber(Reader *r, Value *value)
 {
   char   text[WORD];
@@ -251,9 +249,7 @@ static PetscErrorCode ReadOperation(Reader *r, const char word[], MpmOpKind kind
 
   PetscFunctionBegin;
   if (kind == MPM_GRAD && Next(r) == '.' && !isdigit((unsigned char)r->at[1])) dot = Takes(r, '.');
-  PetscCall(Deeper(r));
   PetscCall(ReadProduct(r, value));
-  r->depth--;
   if (!value->n) MpmRefuseLine(r->written, r->text, "%s acts on a number; allowed: on a field", word);
   for (PetscInt t = 0; t < value->n; t++) {
     MpmTerm *term = &value->term[t];
@@ -274,23 +270,12 @@ static PetscErrorCode ReadOperation(Reader *r, const char word[], MpmOpKind kind
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* STRESS stands before GRAD alone. */
-static PetscErrorCode ReadStressGrad(Reader *r, Value *value)
-{
-  char word[WORD];
-
-  PetscFunctionBegin;
-  PetscCall(TakeWord(r, word));
-  if (strcmp(word, "GRAD")) MpmRefuseLine(r->written, r->text, "STRESS acts on a gradient; allowed: STRESS GRAD field");
-  PetscCall(ReadOperation(r, "STRESS GRAD", MPM_GRAD, PETSC_TRUE, value));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode ReadName(Reader *r, Value *value)
 {
-  char     word[WORD];
-  PetscInt i;
-  MpmPlace place;
+  const Word *operation;
+  char        word[WORD];
+  PetscInt    i;
+  MpmPlace    place;
 
   PetscFunctionBegin;
   PetscCall(TakeWord(r, word));
@@ -305,13 +290,16 @@ static PetscErrorCode ReadName(Reader *r, Value *value)
     value->number.of[1]  = 1;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  if (!strcmp(word, "STRESS")) {
-    PetscCall(ReadStressGrad(r, value));
+  if (!strcmp(word, "STRESS")) { /* it stands before GRAD alone */
+    PetscCall(TakeWord(r, word));
+    if (strcmp(word, "GRAD"))
+      MpmRefuseLine(r->written, r->text, "STRESS acts on a gradient; allowed: STRESS GRAD field");
+    PetscCall(ReadOperation(r, "STRESS GRAD", MPM_GRAD, PETSC_TRUE, value));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (size_t o = 0; o < PETSC_STATIC_ARRAY_LENGTH(operations); o++) {
-    if (strcmp(word, operations[o].word)) continue;
-    PetscCall(ReadOperation(r, word, operations[o].kind, PETSC_FALSE, value));
+  operation = FIND(operations, word, MPM_P2G);
+  if (operation) {
+    PetscCall(ReadOperation(r, word, operation->kind, PETSC_FALSE, value));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   i = MpmWrittenFindParameter(r->written, word);
@@ -351,7 +339,7 @@ static PetscErrorCode ReadFactor(Reader *r, Value *value)
   const char c = Next(r);
 
   PetscFunctionBegin;
-  PetscCall(Deeper(r));
+  if (++r->depth > DEEPEST) MpmRefuseLine(r->written, r->text, "too many brackets inside one another");
   if (Takes(r, '(')) {
     PetscCall(ReadSum(r, value));
     if (!Takes(r, ')')) MpmRefuseLine(r->written, r->text, "a bracket is not closed");
@@ -540,18 +528,19 @@ static PetscErrorCode ReadShare(Reader *r, MpmWrittenLine *line)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode ReadStatement(Reader *r, MpmLineKindOf kind, MpmWrittenLine *line)
+static PetscErrorCode ReadStatement(Reader *r, MpmWrittenLine *line)
 {
-  const PetscBool plain   = kind == MPM_LINE_DRIFT || kind == MPM_LINE_IMPLICIT || kind == MPM_LINE_MOVE;
-  const PetscBool bracket = !plain && Takes(r, '(') ? PETSC_TRUE : PETSC_FALSE;
+  const MpmOpKind op      = line->op;
+  const PetscBool moves   = op == MPM_MOVE || op == MPM_MOVE_PROJECTED ? PETSC_TRUE : PETSC_FALSE,
+                  plain   = moves || op == MPM_DRIFT || op == MPM_IMPLICIT ? PETSC_TRUE : PETSC_FALSE,
+                  filter  = !plain && op != MPM_IMPOSE && op != MPM_REACT ? PETSC_TRUE : PETSC_FALSE,
+                  bracket = !plain && Takes(r, '(') ? PETSC_TRUE : PETSC_FALSE;
 
   PetscFunctionBegin;
-  line->kind = kind;
-  if (kind == MPM_LINE_FILTER) PetscCall(ReadField(r, MPM_ON_PARTICLES, &line->field));
-  if (kind == MPM_LINE_IMPOSE || kind == MPM_LINE_REACT) PetscCall(ReadField(r, MPM_ON_NODES, &line->field));
-  if (kind == MPM_LINE_MOVE) PetscCall(ReadShare(r, line));
-  if (kind == MPM_LINE_FILTER || kind == MPM_LINE_REACT) PetscCall(ReadField(r, MPM_ON_NODES, &line->other));
-  if (kind == MPM_LINE_IMPLICIT) PetscCall(ReadImplicit(r, line));
+  if (moves) PetscCall(ReadShare(r, line));
+  if (op == MPM_IMPLICIT) PetscCall(ReadImplicit(r, line));
+  if (!plain) PetscCall(ReadField(r, filter ? MPM_ON_PARTICLES : MPM_ON_NODES, &line->field));
+  if (!plain && op != MPM_IMPOSE) PetscCall(ReadField(r, MPM_ON_NODES, &line->other));
   if (bracket && !Takes(r, ')')) MpmRefuseLine(r->written, r->text, "a bracket is not closed");
   PetscCall(ReadEnd(r));
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -576,19 +565,20 @@ static PetscErrorCode ReadSign(Reader *r, MpmWrittenLine *line, PetscReal *sign)
 PetscErrorCode MpmLineRead(const MpmWritten *written, const PetscReal numbers[], const MpmWrittenText *text,
                            MpmWrittenLine *line)
 {
-  Reader    r = {.written = written, .text = text, .numbers = numbers, .at = text->text};
-  char      word[WORD];
-  PetscReal sign;
-  Value     sum, terms = {.n = 0};
+  Reader      r = {.written = written, .text = text, .numbers = numbers, .at = text->text};
+  const Word *statement;
+  char        word[WORD];
+  PetscReal   sign;
+  Value       sum, terms = {.n = 0};
 
   PetscFunctionBegin;
-  *line = (MpmWrittenLine){.kind = MPM_LINE_SET};
+  *line = (MpmWrittenLine){.op = MPM_LINE_SETS};
   if (!BeginsWord(Next(&r))) MpmRefuseLine(written, text, "allowed: a line that begins with a field or a statement");
   PetscCall(TakeWord(&r, word));
-  for (size_t s = 0; s < PETSC_STATIC_ARRAY_LENGTH(statements); s++) {
-    if (strcmp(word, statements[s].word)) continue;
-    PetscCall(ReadStatement(&r, statements[s].kind, line));
-    line->op = statements[s].op;
+  statement = FIND(statements, word, MPM_P2G);
+  if (statement) {
+    line->op = statement->kind;
+    PetscCall(ReadStatement(&r, line));
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   PetscCall(ReadSign(&r, line, &sign));

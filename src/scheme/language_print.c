@@ -1,8 +1,8 @@
-/* From a formulation to its text, and from that to YAML; the hash of a scheme. */
-#include "base/hash.h"
+/* From formulations and transfers of the program to their texts. */
 #include "base/text.h"
 #include "scheme/language_compile.h"
-#include <ctype.h>
+#include <mpmstab/errors.h>
+#include <mpmstab/table.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,7 +50,8 @@ static void JoinWord(const MpmFormulation *f, const MpmOp *op, size_t room, char
   if (*word) MpmTextJoin(text, " ", room);
 }
 
-PetscErrorCode MpmWrittenLineText(const MpmFormulation *f, const MpmOp *op, size_t room, char text[])
+/* The line that says an operation on fields. */
+static PetscErrorCode LineText(const MpmFormulation *f, const MpmOp *op, size_t room, char text[])
 {
   const MpmOpTraits  traits = op->kind < MPM_OP_KINDS ? MpmOpTraitsOf(op->kind) : (MpmOpTraits){.dst = MPM_ON_NODES};
   const char *const *to     = traits.dst == MPM_ON_NODES ? f->node_fields : f->particle_fields;
@@ -83,22 +84,23 @@ PetscErrorCode MpmWrittenLineText(const MpmFormulation *f, const MpmOp *op, size
 }
 
 /*
-   The text of the first of n operations. A field of particles that is set to 0 and added to is one line, p = v + G2P
-   a_i.
+   The text of the first of n operations, and how many it is of. A field of particles that is multiplied and then added
+   to is one line, p = v + G2P a_i.
 */
 static PetscErrorCode SetText(const MpmFormulation *f, PetscInt n, const MpmOp ops[], size_t room, char text[],
                               PetscInt *used)
 {
-  const PetscBool sets = ops->kind == MPM_SCALE && ops->factor == 0 ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool sets = ops->kind == MPM_SCALE && n > 1 && ops[1].dst == ops->dst ? PETSC_TRUE : PETSC_FALSE;
   char            factor[64];
 
   PetscFunctionBegin;
   *used = 1;
-  if (!sets || n == 1 || ops[1].kind != MPM_ADD || ops[1].dst != ops->dst) {
-    PetscCall(MpmWrittenLineText(f, ops, room, text));
+  if (!sets || ops->factor != 0 || (ops[1].kind != MPM_ADD && ops[1].kind != MPM_G2P))
+    PetscCall(LineText(f, ops, room, text));
+  else
+    PetscCall(PetscSNPrintf(text, room, "%s =", f->particle_fields[ops->dst]));
+  if (!sets || !(ops[1].kind == MPM_G2P ? ops[1].factor > 0 : ops[1].kind == MPM_ADD && ops->factor == 0))
     PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  PetscCall(PetscSNPrintf(text, room, "%s =", f->particle_fields[ops->dst]));
   for (; *used < n; ++*used) {
     const MpmOp *op = &ops[*used];
 
@@ -106,10 +108,26 @@ static PetscErrorCode SetText(const MpmFormulation *f, PetscInt n, const MpmOp o
         !op->accumulates)
       break;
     PetscCall(FactorText(op, sizeof factor, factor));
-    MpmTextJoin(text, *used > 1 ? " + " : " ", room);
+    MpmTextJoin(text, *used > 1 || ops->factor != 0 ? " + " : " ", room);
     MpmTextJoin(text, factor, room);
     JoinWord(f, op, room, text);
     MpmTextJoin(text, (op->kind == MPM_ADD ? f->particle_fields : f->node_fields)[op->src], room);
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The lines of n operations. Those of formulations fit. */
+static PetscErrorCode LinesOf(const MpmFormulation *f, PetscInt n, const MpmOp ops[], PetscInt most, PetscInt *nlines,
+                              MpmWrittenText lines[])
+{
+  PetscFunctionBegin;
+  for (PetscInt o = 0, used; o < n; o += used) {
+    char text[256];
+
+    MpmCheckInput(*nlines < most,
+                  "a filter of more than the %" PetscInt_FMT " lines that fit; allowed: fewer terms of xpic", most);
+    PetscCall(SetText(f, n - o, &ops[o], sizeof text, text, &used));
+    PetscCall(Keep(text, &lines[(*nlines)++]));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -133,7 +151,6 @@ PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *f, const MpmScheme
   MpmOp        room[MPM_MOST_TABLE_LINES];
   PetscInt     n;
   const MpmOp *ops = MpmFormulationLines(f, numbers, transfer, room, &n);
-  PetscInt     used;
 
   PetscFunctionBegin;
   PetscCall(Keep(f->name, &w->name));
@@ -148,14 +165,7 @@ PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *f, const MpmScheme
     PetscCall(Keep(f->node_fields[w->nnodes], &w->nodes[w->nnodes].name));
     w->nodes[w->nnodes].rank = f->node_ranks[w->nnodes];
   }
-  for (PetscInt o = 0; o < n;) {
-    char text[256];
-
-    PetscCheck(w->nstep < MPM_MOST_LINES_OF_STEP, PETSC_COMM_SELF, PETSC_ERR_PLIB, "raise MPM_MOST_LINES_OF_STEP");
-    PetscCall(SetText(f, n - o, &ops[o], sizeof text, text, &used));
-    PetscCall(Keep(text, &w->step[w->nstep++]));
-    o += used;
-  }
+  PetscCall(LinesOf(f, n, ops, MPM_MOST_LINES_OF_STEP, &w->nstep, w->step));
   for (; w->nenergy < f->nenergy; w->nenergy++) {
     const MpmEnergyTerm *term = &f->energy[w->nenergy];
     const PetscBool      node = term->place == MPM_ON_NODES ? PETSC_TRUE : PETSC_FALSE;
@@ -170,176 +180,69 @@ PetscErrorCode MpmWrittenAddFormulation(const MpmFormulation *f, const MpmScheme
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmWrittenFromFormulation(const MpmFormulation *f, const MpmSchemeNumbers *numbers,
-                                         const MpmTransfer *transfer, MpmWritten **written)
+/* ---- from a transfer to texts ---- */
+
+/* The names of registers i > 0 of those that a filter needs besides q and g. */
+static PetscErrorCode Names(const char letter[], PetscInt n, const char *fields[], PetscInt *nnames,
+                            MpmWrittenText names[])
 {
   PetscFunctionBegin;
+  for (PetscInt i = 1; i < n; i++) {
+    char text[16];
+
+    PetscCall(PetscSNPrintf(text, sizeof text, "%s%" PetscInt_FMT, letter, i));
+    PetscCall(Keep(text, &names[*nnames]));
+    fields[i] = names[(*nnames)++].text;
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* A wall of the table, one operation at each end, is IMPOSE in the text. */
+static PetscErrorCode FilterText(MpmTable *table, MpmWrittenTransfer *t)
+{
+  MpmFormulation f = {.particle_fields = {"q"}, .node_fields = {"g"}};
+  PetscInt       n = 0;
+
+  PetscFunctionBegin;
+  PetscCall(Names("p", table->nparticles, f.particle_fields, &t->nparticles, t->particle));
+  PetscCall(Names("g", table->nnodes, f.node_fields, &t->nnodes, t->node));
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOp op = table->ops[o];
+
+    if (op.kind != MPM_WALL || !op.side) table->ops[n++] = op.kind == MPM_WALL ? (MpmOp)IMPOSE(op.dst) : op;
+  }
+  PetscCall(LinesOf(&f, n, table->ops, MPM_MOST_LINES_OF_FILTER, &t->nlines, t->lines));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmWrittenFromTransfer(const MpmTransfer *transfer, const MpmSchemeNumbers *numbers,
+                                      MpmWritten **written)
+{
+  MpmTable      *table;
+  char           name[64];
+  PetscErrorCode ierr;
+
+  PetscFunctionBegin;
+  MpmCheckInput(transfer->filter && !transfer->affine && !transfer->sharpen, "transfer %s: %s; allowed: %s",
+                transfer->name,
+                !transfer->filter  ? "it has no filter to print"
+                : transfer->affine ? "its particles have an affine part, of which a filter as text knows nothing"
+                                   : "it changes what particles take by GRAD too, which a filter does not",
+                "pic, blend, xpic or nullspace");
   PetscCall(PetscNew(written));
-  PetscCall(MpmWrittenAddFormulation(f, numbers, transfer, *written));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- from texts to YAML ---- */
-
-/* In single quotes, in which YAML takes everything but the quote as it stands. */
-static void PutQuoted(FILE *out, const char key[], const MpmWrittenText *text)
-{
-  if (!text->text) return;
-  fprintf(out, "  %s: '", key);
-  for (const char *at = text->text; *at; at++) fprintf(out, *at == '\'' ? "''" : "%c", *at);
-  fprintf(out, "'\n");
-}
-
-static void PutPlain(FILE *out, const char key[], const MpmWrittenText *text)
-{
-  if (text->text) fprintf(out, "  %s: %s\n", key, text->text);
-}
-
-static void PutFields(FILE *out, const char key[], PetscInt n, const MpmWrittenField fields[])
-{
-  fprintf(out, "  %s: {", key);
-  for (PetscInt i = 0; i < n; i++)
-    fprintf(out, "%s%s: %s", i ? ", " : "", fields[i].name.text, MpmRankNames[fields[i].rank]);
-  fprintf(out, "}\n");
-}
-
-static void PutNames(FILE *out, const char key[], PetscInt n, const MpmWrittenText names[])
-{
-  for (PetscInt i = 0; i < n; i++)
-    fprintf(out, "%s%s%s%s", i ? "" : "    ", i ? "" : key, i ? ", " : ": [", names[i].text);
-  if (n) fprintf(out, "]\n");
-}
-
-static void PutTransfer(FILE *out, const MpmWrittenTransfer *t)
-{
-  fprintf(out, "  transfer:\n    name: %s\n", t->name.text);
-  PutNames(out, "particles", t->nparticles, t->particle);
-  PutNames(out, "nodes", t->nnodes, t->node);
-  fprintf(out, "    filter:\n");
-  for (PetscInt i = 0; i < t->nlines; i++) fprintf(out, "      - %s\n", t->lines[i].text);
-}
-
-static void PutScheme(FILE *out, const MpmWritten *w)
-{
-  PutPlain(out, "name", &w->name);
-  PutQuoted(out, "summary", &w->summary);
-  PutQuoted(out, "reference", &w->reference);
-  PutFields(out, "particles", w->nparticles, w->particles);
-  PutFields(out, "nodes", w->nnodes, w->nodes);
-  for (PetscInt i = 0; i < w->nparameters; i++)
-    fprintf(out, "%s%s: %s%s", i ? ", " : "  parameters: {", w->parameters[i].name.text, w->parameters[i].text.text,
-            i == w->nparameters - 1 ? "}\n" : "");
-  fprintf(out, "  step:\n");
-  for (PetscInt i = 0; i < w->nstep; i++) fprintf(out, "    - %s\n", w->step[i].text);
-  for (PetscInt i = 0; i < w->nenergy; i++)
-    fprintf(out, "%s%s: %s%s", i ? ", " : "  energy: {", w->energy[i].field.text, w->energy[i].kind.text,
-            i == w->nenergy - 1 ? "}\n" : "");
-  PutPlain(out, "wave", &w->wave);
-  PutPlain(out, "staggered", &w->staggered);
-  PutPlain(out, "affine", &w->affine);
-  PutPlain(out, "conserved", &w->conserved);
-}
-
-static void Put(FILE *out, const MpmWritten *w)
-{
-  fprintf(out, "scheme:\n");
-  if (w->nstep) PutScheme(out, w);
-  if (w->transfer.name.text) PutTransfer(out, &w->transfer);
-}
-
-PetscErrorCode MpmWrittenYaml(const MpmWritten *w, char **yaml)
-{
-  char  *text = NULL;
-  size_t size = 0;
-  FILE  *out  = open_memstream(&text, &size);
-
-  PetscFunctionBegin;
-  PetscCheck(out, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the text of a scheme");
-  Put(out, w);
-  PetscCheck(!fclose(out), PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the text of a scheme");
-  PetscCall(PetscStrallocpy(text, yaml));
-  free(text);
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* ---- the hash ---- */
-
-static PetscBool IsInWord(char c)
-{
-  return isalnum((unsigned char)c) || c == '_' || c == '.' ? PETSC_TRUE : PETSC_FALSE;
-}
-
-static void Mix(uint64_t *hash, unsigned char c)
-{
-  *hash = MpmHashMix(*hash + MPM_HASH_INCREMENT + c);
-}
-
-/* Adds a text and its end. Of blanks those between two words count, as one. */
-static void MixText(uint64_t *hash, const char text[])
-{
-  char last = 0;
-
-  for (const char *at = text ? text : ""; *at; at++) {
-    if (isspace((unsigned char)*at)) continue;
-    if (at > text && isspace((unsigned char)at[-1]) && IsInWord(last) && IsInWord(*at)) Mix(hash, ' ');
-    Mix(hash, (unsigned char)*at);
-    last = *at;
-  }
-  Mix(hash, 0);
-}
-
-static void MixFields(uint64_t *hash, PetscInt n, const MpmWrittenField fields[])
-{
-  for (PetscInt i = 0; i < n; i++) {
-    MixText(hash, fields[i].name.text);
-    MixText(hash, MpmRankNames[fields[i].rank]);
-  }
-  Mix(hash, 1);
-}
-
-static void MixTransfer(uint64_t *hash, const MpmWrittenTransfer *t)
-{
-  for (PetscInt i = 0; i < t->nparticles; i++) MixText(hash, t->particle[i].text);
-  Mix(hash, 1);
-  for (PetscInt i = 0; i < t->nnodes; i++) MixText(hash, t->node[i].text);
-  Mix(hash, 1);
-  for (PetscInt i = 0; i < t->nlines; i++) MixText(hash, t->lines[i].text);
-}
-
-void MpmWrittenHash(const MpmWritten *w, char text[MPM_HASH_TEXT])
-{
-  uint64_t hash = 0;
-
-  MixFields(&hash, w->nparticles, w->particles);
-  MixFields(&hash, w->nnodes, w->nodes);
-  for (PetscInt i = 0; i < w->nparameters; i++) {
-    MixText(&hash, w->parameters[i].name.text);
-    MixText(&hash, w->parameters[i].text.text);
-  }
-  Mix(&hash, 1);
-  for (PetscInt i = 0; i < w->nstep; i++) MixText(&hash, w->step[i].text);
-  Mix(&hash, 1);
-  for (PetscInt i = 0; i < w->nenergy; i++) {
-    MixText(&hash, w->energy[i].field.text);
-    MixText(&hash, w->energy[i].kind.text);
-  }
-  MixText(&hash, w->wave.text);
-  MixText(&hash, w->staggered.text);
-  MixText(&hash, w->affine.text);
-  MixText(&hash, w->conserved.text);
-  if (w->transfer.name.text) MixTransfer(&hash, &w->transfer);
-  (void)snprintf(text, MPM_HASH_TEXT, "%016llx", (unsigned long long)hash);
-}
-
-PetscErrorCode MpmWrittenParametersText(const MpmWritten *w, char text[MPM_PARAMETERS_TEXT])
-{
-  PetscReal numbers[MPM_MOST_PARAMETERS];
-
-  PetscFunctionBegin;
-  text[0] = 0;
-  PetscCall(MpmWrittenNumbers(w, numbers));
-  for (PetscInt i = 0; i < w->nparameters; i++)
-    (void)snprintf(text + strlen(text), MPM_PARAMETERS_TEXT - strlen(text), "%s%s=%.17g", i ? "," : "",
-                   w->parameters[i].name.text, numbers[i]);
+  PetscCall(PetscSNPrintf(name, sizeof name, "my-%s", transfer->name));
+  PetscCall(Keep(name, &(*written)->transfer.name));
+  PetscCall(PetscNew(&table));
+  table->dim    = 1;
+  table->affine = MPM_NONE;
+  table->nstate = table->nparticles = table->nnodes = 1;
+  table->transfer                                   = transfer;
+  table->ends[0][0] = table->ends[0][1] = MPM_FIXED;
+  table->parity[0][0]                   = MPM_NORMAL;
+  ierr                                  = transfer->filter(table, numbers, 0, 0);
+  if (!ierr) ierr = FilterText(table, &(*written)->transfer);
+  PetscCall(MpmTableDestroy(&table));
+  if (ierr) PetscCall(MpmWrittenDestroy(written));
+  PetscCall(ierr);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

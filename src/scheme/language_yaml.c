@@ -1,11 +1,16 @@
-/* From YAML to a written scheme: its keys, the names of its fields and parameters, its lines. */
-#include "scheme/language.h"
+/*
+   The text of a scheme: from YAML to its keys, the names of its fields and parameters, its lines; back to YAML; its
+   hash.
+*/
+#include "base/hash.h"
 #include "base/text.h"
 #include "scheme/language_compile.h"
 #include "base/suggest.h"
 #include <mpmstab/errors.h>
 #include <ctype.h>
 #include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define LONGEST_TEXT 400 /* characters of a line, a name or a reference */
@@ -15,45 +20,60 @@ typedef struct {
   MpmWritten      *written;
 } Reader;
 
-/* What the value of a key is: a text; names with a rank, or a text, each; lines; names; or the keys of a transfer. */
-typedef enum { A_TEXT, RANKS, TEXTS, LINES, NAMES, TRANSFER } Kind;
+/*
+   What the value of a key is: a text, which may need quotes; names with a rank, or a text, each; lines; names; or the
+   keys of a transfer.
+*/
+typedef enum { A_TEXT, QUOTED, RANKS, TEXTS, LINES, NAMES, TRANSFER } Kind;
+
+/* Whether a key tells schemes apart: no; its texts do; and the end of its list, too. */
+typedef enum { UNMIXED, MIXED, MIXED_LIST } Mixing;
 
 /* A key: where in MpmWritten its texts are, and their number; the bytes from one to the next; how many fit. */
 typedef struct {
   const char *name;
+  Mixing      mixing;
   Kind        kind;
   size_t      at, n, size;
   PetscInt    room;
 } Key;
 
 #define AT(member) offsetof(MpmWritten, member)
+#define ONE_TEXT(kind, member) kind, AT(member), 0, 0, 1
 #define MANY(kind, member, n, room) kind, AT(member), AT(n), sizeof *((MpmWritten *)0)->member, room
 #define NKEYS(keys) PETSC_STATIC_ARRAY_LENGTH(keys)
 
+/* In the order in which they are printed and mixed. Parameters are printed as those of the scheme. */
 static const Key of_transfer[] = {
-    {"name", A_TEXT, AT(transfer.name), 0, 0, 1},
-    {"parameters", MANY(TEXTS, parameters, nparameters, MPM_MOST_PARAMETERS)},
-    {"particles", MANY(NAMES, transfer.particle, transfer.nparticles, MPM_MAX_FIELDS - 1)},
-    {"nodes", MANY(NAMES, transfer.node, transfer.nnodes, MPM_MAX_FIELDS - 1)},
-    {"filter", MANY(LINES, transfer.lines, transfer.nlines, MPM_MOST_LINES_OF_FILTER)}};
+    {"name", UNMIXED, ONE_TEXT(A_TEXT, transfer.name)},
+    {"parameters", UNMIXED, MANY(TEXTS, parameters, nparameters, MPM_MOST_PARAMETERS)},
+    {"particles", MIXED_LIST, MANY(NAMES, transfer.particle, transfer.nparticles, MPM_MAX_FIELDS - 1)},
+    {"nodes", MIXED_LIST, MANY(NAMES, transfer.node, transfer.nnodes, MPM_MAX_FIELDS - 1)},
+    {"filter", MIXED, MANY(LINES, transfer.lines, transfer.nlines, MPM_MOST_LINES_OF_FILTER)}};
 
-static const Key of_scheme[] = {{"name", A_TEXT, AT(name), 0, 0, 1},
-                                {"reference", A_TEXT, AT(reference), 0, 0, 1},
-                                {"summary", A_TEXT, AT(summary), 0, 0, 1},
-                                {"particles", MANY(RANKS, particles, nparticles, MPM_MAX_FIELDS)},
-                                {"nodes", MANY(RANKS, nodes, nnodes, MPM_MAX_FIELDS)},
-                                {"step", MANY(LINES, step, nstep, MPM_MOST_LINES_OF_STEP)},
-                                {"parameters", MANY(TEXTS, parameters, nparameters, MPM_MOST_PARAMETERS)},
-                                {"energy", MANY(TEXTS, energy, nenergy, MPM_MAX_FIELDS)},
-                                {"wave", A_TEXT, AT(wave), 0, 0, 1},
-                                {"staggered", A_TEXT, AT(staggered), 0, 0, 1},
-                                {"affine", A_TEXT, AT(affine), 0, 0, 1},
-                                {"conserved", A_TEXT, AT(conserved), 0, 0, 1},
-                                {"transfer", TRANSFER, 0, 0, 0, 0}};
+static const Key of_scheme[] = {{"name", UNMIXED, ONE_TEXT(A_TEXT, name)},
+                                {"summary", UNMIXED, ONE_TEXT(QUOTED, summary)},
+                                {"reference", UNMIXED, ONE_TEXT(QUOTED, reference)},
+                                {"particles", MIXED_LIST, MANY(RANKS, particles, nparticles, MPM_MAX_FIELDS)},
+                                {"nodes", MIXED_LIST, MANY(RANKS, nodes, nnodes, MPM_MAX_FIELDS)},
+                                {"parameters", MIXED_LIST, MANY(TEXTS, parameters, nparameters, MPM_MOST_PARAMETERS)},
+                                {"step", MIXED_LIST, MANY(LINES, step, nstep, MPM_MOST_LINES_OF_STEP)},
+                                {"energy", MIXED, MANY(TEXTS, energy, nenergy, MPM_MAX_FIELDS)},
+                                {"wave", MIXED, ONE_TEXT(A_TEXT, wave)},
+                                {"staggered", MIXED, ONE_TEXT(A_TEXT, staggered)},
+                                {"affine", MIXED, ONE_TEXT(A_TEXT, affine)},
+                                {"conserved", MIXED, ONE_TEXT(A_TEXT, conserved)},
+                                {"transfer", MIXED, TRANSFER, 0, 0, 0, 0}};
 
 static PetscInt *NumberOf(MpmWritten *w, const Key *key)
 {
   return (PetscInt *)(void *)((char *)w + key->n);
+}
+
+/* The number of places for texts that a key has in use: a single text has one, which may be NULL. */
+static PetscInt Used(const MpmWritten *w, const Key *key)
+{
+  return key->n ? *NumberOf((MpmWritten *)(void *)w, key) : key->room;
 }
 
 /* The text i of a key. A name is followed by its text, or its rank. */
@@ -277,7 +297,7 @@ static PetscErrorCode ReadTransfer(Reader *r, const yaml_node_t *node);
 static PetscErrorCode ReadKey(Reader *r, const Key *key, const yaml_node_t *node)
 {
   PetscFunctionBegin;
-  if (key->kind == A_TEXT) PetscCall(TextOf(r, key->name, node, TextAt(r->written, key, 0)));
+  if (key->kind == A_TEXT || key->kind == QUOTED) PetscCall(TextOf(r, key->name, node, TextAt(r->written, key, 0)));
   if (key->kind == RANKS || key->kind == TEXTS) PetscCall(ReadPairs(r, key, node));
   if (key->kind == LINES) PetscCall(ReadLines(r, key, node));
   if (key->kind == NAMES) PetscCall(ReadNames(r, key, node));
@@ -436,7 +456,7 @@ static PetscErrorCode Free(MpmWritten *w, size_t n, const Key keys[])
 {
   PetscFunctionBegin;
   for (size_t k = 0; k < n; k++)
-    for (PetscInt i = 0; i < (keys[k].n ? *NumberOf(w, &keys[k]) : keys[k].room); i++) {
+    for (PetscInt i = 0; i < Used(w, &keys[k]); i++) {
       MpmWrittenText *text = TextAt(w, &keys[k], i);
 
       PetscCall(PetscFree(text->text));
@@ -452,5 +472,126 @@ PetscErrorCode MpmWrittenDestroy(MpmWritten **written)
   PetscCall(Free(*written, NKEYS(of_scheme), of_scheme));
   PetscCall(Free(*written, NKEYS(of_transfer), of_transfer));
   PetscCall(PetscFree(*written));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- to YAML ---- */
+
+/* The second text of a name: its rank, or what it is. */
+static const char *SecondOf(const MpmWrittenText *text, Kind kind)
+{
+  return kind == RANKS ? MpmRankNames[((const MpmWrittenField *)(const void *)text)->rank] : text[1].text;
+}
+
+static void PutKeys(FILE *out, const MpmWritten *w, int indent, size_t n, const Key keys[]);
+
+/* In single quotes YAML takes everything but the quote as it stands. */
+static void PutKey(FILE *out, const MpmWritten *w, int indent, const Key *key)
+{
+  const PetscInt        n    = Used(w, key);
+  const MpmWrittenText *text = TextAt((MpmWritten *)(void *)w, key, 0);
+
+  if (key->kind == TRANSFER ? !w->transfer.name.text : n == 0 || (!key->n && !text->text)) return;
+  fprintf(out, "%*s%s:", indent, "", key->name);
+  if (key->kind == A_TEXT) fprintf(out, " %s\n", text->text);
+  if (key->kind == QUOTED) {
+    fprintf(out, " '");
+    for (const char *at = text->text; *at; at++) fprintf(out, *at == '\'' ? "''" : "%c", *at);
+    fprintf(out, "'\n");
+  }
+  for (PetscInt i = 0; i < n && key->n; i++) {
+    text = TextAt((MpmWritten *)(void *)w, key, i);
+    if (key->kind == LINES)
+      fprintf(out, "%s%*s- %s\n", i ? "" : "\n", indent + 2, "", text->text);
+    else if (key->kind == NAMES)
+      fprintf(out, "%s%s%s", i ? ", " : " [", text->text, i == n - 1 ? "]\n" : "");
+    else
+      fprintf(out, "%s%s: %s%s", i ? ", " : " {", text->text, SecondOf(text, key->kind), i == n - 1 ? "}\n" : "");
+  }
+  if (key->kind == TRANSFER) fprintf(out, "\n");
+  if (key->kind == TRANSFER) PutKeys(out, w, indent + 2, NKEYS(of_transfer), of_transfer);
+}
+
+static void PutKeys(FILE *out, const MpmWritten *w, int indent, size_t n, const Key keys[])
+{
+  for (size_t k = 0; k < n; k++)
+    if (keys != of_transfer || strcmp(keys[k].name, "parameters")) PutKey(out, w, indent, &keys[k]);
+}
+
+PetscErrorCode MpmWrittenYaml(const MpmWritten *w, char **yaml)
+{
+  char  *text = NULL;
+  size_t size = 0;
+  FILE  *out  = open_memstream(&text, &size);
+
+  PetscFunctionBegin;
+  PetscCheck(out, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the text of a scheme");
+  fprintf(out, "scheme:\n");
+  PutKeys(out, w, 2, NKEYS(of_scheme), of_scheme);
+  PetscCheck(!fclose(out), PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for the text of a scheme");
+  PetscCall(PetscStrallocpy(text, yaml));
+  free(text);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- the hash ---- */
+
+static PetscBool IsInWord(char c)
+{
+  return isalnum((unsigned char)c) || c == '_' || c == '.' ? PETSC_TRUE : PETSC_FALSE;
+}
+
+static void Mix(uint64_t *hash, unsigned char c)
+{
+  *hash = MpmHashMix(*hash + MPM_HASH_INCREMENT + c);
+}
+
+/* Adds a text and its end. Of blanks those between two words count, as one. */
+static void MixText(uint64_t *hash, const char text[])
+{
+  char last = 0;
+
+  for (const char *at = text ? text : ""; *at; at++) {
+    if (isspace((unsigned char)*at)) continue;
+    if (at > text && isspace((unsigned char)at[-1]) && IsInWord(last) && IsInWord(*at)) Mix(hash, ' ');
+    Mix(hash, (unsigned char)*at);
+    last = *at;
+  }
+  Mix(hash, 0);
+}
+
+static void MixKeys(uint64_t *hash, const MpmWritten *w, size_t n, const Key keys[])
+{
+  for (const Key *key = keys; key < keys + n; key++) {
+    if (key->mixing == UNMIXED) continue;
+    for (PetscInt i = 0; i < Used(w, key); i++) {
+      const MpmWrittenText *text = TextAt((MpmWritten *)(void *)w, key, i);
+
+      MixText(hash, text->text);
+      if (key->kind == RANKS || key->kind == TEXTS) MixText(hash, SecondOf(text, key->kind));
+    }
+    if (key->mixing == MIXED_LIST) Mix(hash, 1);
+    if (key->kind == TRANSFER && w->transfer.name.text) MixKeys(hash, w, NKEYS(of_transfer), of_transfer);
+  }
+}
+
+void MpmWrittenHash(const MpmWritten *w, char text[MPM_HASH_TEXT])
+{
+  uint64_t hash = 0;
+
+  MixKeys(&hash, w, NKEYS(of_scheme), of_scheme);
+  (void)snprintf(text, MPM_HASH_TEXT, "%016llx", (unsigned long long)hash);
+}
+
+PetscErrorCode MpmWrittenParametersText(const MpmWritten *w, char text[MPM_PARAMETERS_TEXT])
+{
+  PetscReal numbers[MPM_MOST_PARAMETERS];
+
+  PetscFunctionBegin;
+  text[0] = 0;
+  PetscCall(MpmWrittenNumbers(w, numbers));
+  for (PetscInt i = 0; i < w->nparameters; i++)
+    (void)snprintf(text + strlen(text), MPM_PARAMETERS_TEXT - strlen(text), "%s%s=%.17g", i ? "," : "",
+                   w->parameters[i].name.text, numbers[i]);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -4,10 +4,6 @@
    has no more than products and sums.
 */
 #include "scheme/lines.h"
-#if defined(__AVX2__) && !defined(__AVX512F__)
-#define REGISTERS_OF_4 /* numbers; then runs of two particles have loops of their own */
-#include <immintrin.h>
-#endif
 
 /* ---- rows of nodes ---- */
 
@@ -123,129 +119,6 @@ INLINE void SpreadEach(PetscInt begin, PetscInt end, PetscInt nodes, const MpmBl
     for (PetscInt d = 0; d < nodes; d++) node[b->first[p] + d] += a * weight[d * r->length + InRun(r, p)] * particle[p];
 }
 
-#ifdef REGISTERS_OF_4
-_Static_assert(sizeof(PetscReal) == sizeof(double), "a register has four numbers");
-
-/* (a0, a1, a2, a3) and (b0, b1, b2, b3) to (a0, b0, a1, b1) and (a2, b2, a3, b3). */
-INLINE void Mix(__m256d a, __m256d b, __m256d mixed[2])
-{
-  const __m256d lo = _mm256_unpacklo_pd(a, b), hi = _mm256_unpackhi_pd(a, b);
-
-  mixed[0] = _mm256_permute2f128_pd(lo, hi, 0x20);
-  mixed[1] = _mm256_permute2f128_pd(lo, hi, 0x31);
-}
-
-/* The inverse of Mix. */
-INLINE void Part(__m256d a, __m256d b, __m256d parted[2])
-{
-  const __m256d lo = _mm256_permute2f128_pd(a, b, 0x20), hi = _mm256_permute2f128_pd(a, b, 0x31);
-
-  parted[0] = _mm256_unpacklo_pd(lo, hi);
-  parted[1] = _mm256_unpackhi_pd(lo, hi);
-}
-
-/* The four numbers that begin d places before b in the sequence of a and then b. */
-INLINE __m256d Back(const PetscInt d, __m256d a, __m256d b)
-{
-  const __m256d middle = _mm256_permute2f128_pd(a, b, 0x21);
-
-  return d == 0 ? b : d == 1 ? _mm256_shuffle_pd(middle, b, 5) : d == 2 ? middle : _mm256_shuffle_pd(a, middle, 5);
-}
-
-/* Adds a to the four numbers from place on. */
-INLINE void AddTo(PetscReal *place, __m256d a)
-{
-  _mm256_storeu_pd(place, _mm256_loadu_pd(place) + a);
-}
-
-/*
-   Gathers to count runs of two particles, four runs at a time, and adds a[t] times the sums to q[t]. The state of the
-   row that may follow is fetched meanwhile: it is the next in memory.
-*/
-INLINE void GatherPairs(const PetscInt nodes, const PetscInt targets, PetscInt count, const PetscReal weight[],
-                        const PetscReal a[], PetscReal *const q[], const PetscReal *restrict from)
-{
-  __m256d    factor[MPM_MOST_TARGETS], w[2 * MPM_MOST_RUN_NODES];
-  PetscReal *to[MPM_MOST_TARGETS];
-  PetscInt   j = 0;
-
-  for (PetscInt i = 0; i < 2 * nodes; i++) w[i] = _mm256_set1_pd(weight[i]);
-  for (PetscInt t = 0; t < targets; t++) {
-    factor[t] = _mm256_set1_pd(a[t]);
-    to[t]     = q[t];
-  }
-  for (; j + 4 <= count; j += 4) {
-    __m256d sum[2] = {_mm256_setzero_pd(), _mm256_setzero_pd()}, mixed[2];
-
-    for (PetscInt d = 0; d < nodes; d++) {
-      const __m256d value = _mm256_loadu_pd(from + j + d);
-
-      sum[0] += w[2 * d] * value;
-      sum[1] += w[2 * d + 1] * value;
-    }
-    Mix(sum[0], sum[1], mixed);
-    for (PetscInt t = 0; t < targets; t++) {
-      __builtin_prefetch(to[t] + 2 * (count + j));
-      AddTo(to[t] + 2 * j, factor[t] * mixed[0]);
-      AddTo(to[t] + 2 * j + 4, factor[t] * mixed[1]);
-    }
-  }
-  for (; j < count; j++) {
-    __m128d sum = _mm_setzero_pd();
-
-    for (PetscInt d = 0; d < nodes; d++) sum += _mm_loadu_pd(weight + 2 * d) * _mm_set1_pd(from[j + d]);
-    for (PetscInt t = 0; t < targets; t++)
-      _mm_storeu_pd(to[t] + 2 * j, _mm_loadu_pd(to[t] + 2 * j) + _mm256_castpd256_pd128(factor[t]) * sum);
-  }
-}
-
-/* The first n of the eight numbers from q on, and zeros for the others. */
-INLINE void LoadFirst(PetscInt n, const PetscReal q[], __m256d loaded[2])
-{
-  static const long long ones[16] = {-1, -1, -1, -1, -1, -1, -1, -1};
-
-  for (PetscInt h = 0; h < 2; h++)
-    loaded[h] = _mm256_maskload_pd(q + 4 * h, _mm256_loadu_si256((const __m256i *)(ones + 8 - n + 4 * h)));
-}
-
-/*
-   Spreads count runs of two particles, four runs at a time. given: what runs give to their nodes d. What they give to
-   nodes that the next runs have too waits in before[d].
-*/
-INLINE void SpreadPairs(const PetscInt nodes, PetscInt count, const PetscReal weight[], const PetscReal *restrict q,
-                        PetscReal *restrict to)
-{
-  const __m256d zero = _mm256_setzero_pd();
-  __m256d       w[2 * MPM_MOST_RUN_NODES], before[MPM_MOST_RUN_NODES], parted[2], sum[2] = {zero, zero};
-  PetscReal     last[8];
-  PetscInt      j = 0;
-
-  for (PetscInt i = 0; i < 2 * nodes; i++) w[i] = _mm256_set1_pd(weight[i]);
-  for (PetscInt d = 0; d < nodes; d++) before[d] = zero;
-  for (; j + 4 <= count; j += 4) {
-    __m256d given, all = zero;
-
-    Part(_mm256_loadu_pd(q + 2 * j), _mm256_loadu_pd(q + 2 * j + 4), parted);
-    for (PetscInt d = 0; d < nodes; d++) {
-      given = w[2 * d] * parted[0] + w[2 * d + 1] * parted[1];
-      all += Back(d, before[d], given);
-      before[d] = given;
-    }
-    AddTo(to + j, all);
-  }
-  LoadFirst(2 * (count - j), q + 2 * j, parted);
-  Part(parted[0], parted[1], parted);
-  for (PetscInt d = 0; d < nodes; d++) {
-    const __m256d given = w[2 * d] * parted[0] + w[2 * d + 1] * parted[1];
-
-    sum[0] += Back(d, before[d], given);
-    sum[1] += Back(d, given, zero);
-  }
-  for (PetscInt h = 0; h < 2; h++) _mm256_storeu_pd(last + 4 * h, sum[h]);
-  for (PetscInt i = 0; i < count - j + nodes - 1; i++) to[j + i] += last[i];
-}
-#endif
-
 INLINE void GatherRuns(const PetscInt length, const PetscInt nodes, const MpmBlock *b, const MpmRuns *r,
                        const PetscReal *restrict weight, PetscReal a, PetscReal *restrict particle,
                        const PetscReal *restrict node)
@@ -316,58 +189,11 @@ static void GatherOne(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const
   GatherEach(r->end, b->n, nodes, b, r, weight, a, particle, node);
 }
 
-#ifdef REGISTERS_OF_4
-/* Calls PAIRS with the number of nodes as a constant. */
-#define PAIRS_OF_NODES(PAIRS, ...)                                                                                     \
-  do {                                                                                                                 \
-    if (nodes == 2) PAIRS(2, __VA_ARGS__);                                                                             \
-    if (nodes == 3) PAIRS(3, __VA_ARGS__);                                                                             \
-    if (nodes == 4) PAIRS(4, __VA_ARGS__);                                                                             \
-  } while (0)
-
-static void GatherTwos(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const PetscReal *restrict weight,
-                       PetscInt n, const PetscReal a[], PetscReal *const particle[], const PetscReal *restrict node)
-{
-  const PetscReal *from  = node + b->first[r->begin];
-  const PetscInt   count = (r->end - r->begin) / 2;
-  PetscReal       *q[MPM_MOST_TARGETS];
-
-  for (PetscInt t = 0; t < n; t++) {
-    q[t] = particle[t] + r->begin;
-    GatherEach(0, r->begin, nodes, b, r, weight, a[t], particle[t], node);
-    GatherEach(r->end, b->n, nodes, b, r, weight, a[t], particle[t], node);
-  }
-  if (n == 1) PAIRS_OF_NODES(GatherPairs, 1, count, weight, a, q, from);
-  if (n == 2) PAIRS_OF_NODES(GatherPairs, 2, count, weight, a, q, from);
-  if (n == 3) PAIRS_OF_NODES(GatherPairs, 3, count, weight, a, q, from);
-}
-
-static void SpreadTwos(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const PetscReal weight[], PetscReal a,
-                       const PetscReal *restrict particle, PetscReal *restrict node)
-{
-  const PetscReal *q     = particle + r->begin;
-  PetscReal       *to    = node + b->first[r->begin];
-  const PetscInt   count = (r->end - r->begin) / 2;
-  PetscReal        w[2 * MPM_MOST_RUN_NODES];
-
-  for (PetscInt i = 0; i < 2 * nodes; i++) w[i] = a * weight[i];
-  SpreadEach(0, r->begin, nodes, b, r, weight, a, particle, node);
-  PAIRS_OF_NODES(SpreadPairs, count, w, q, to);
-  SpreadEach(r->end, b->n, nodes, b, r, weight, a, particle, node);
-}
-#endif
-
 void MpmRunsGather(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const PetscReal *restrict weight, PetscInt n,
                    const PetscReal a[], PetscReal *const particle[], const PetscReal *restrict node)
 {
   PetscReal sum[MPM_BLOCK];
 
-#ifdef REGISTERS_OF_4
-  if (r->length == 2) {
-    GatherTwos(b, r, nodes, weight, n, a, particle, node);
-    return;
-  }
-#endif
   if (n == 1) {
     GatherOne(b, r, nodes, weight, a[0], particle[0], node);
     return;
@@ -384,12 +210,6 @@ void MpmRunsGather(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const Pe
 void MpmRunsSpread(const MpmBlock *b, const MpmRuns *r, PetscInt nodes, const PetscReal *restrict weight, PetscReal a,
                    const PetscReal *restrict particle, PetscReal *restrict node)
 {
-#ifdef REGISTERS_OF_4
-  if (r->length == 2) {
-    SpreadTwos(b, r, nodes, weight, a, particle, node);
-    return;
-  }
-#endif
   SpreadEach(0, r->begin, nodes, b, r, weight, a, particle, node);
   OF_LENGTH(SpreadRuns);
   SpreadEach(r->end, b->n, nodes, b, r, weight, a, particle, node);

@@ -33,6 +33,15 @@ PetscErrorCode MpmBuilderSharpen(MpmTableBuilder *b, PetscInt node, PetscInt *sh
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode MpmBuilderSharpenAll(MpmTableBuilder *b, PetscInt first, PetscInt n)
+{
+  PetscInt sharp;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < n; c++) PetscCall(MpmBuilderSharpen(b, first + c, &sharp));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmBuilderAppend(MpmTableBuilder *b, MpmOp op)
 {
   PetscFunctionBegin;
@@ -42,11 +51,6 @@ PetscErrorCode MpmBuilderAppend(MpmTableBuilder *b, MpmOp op)
 }
 
 /* ---- the operations of formulations, written out for components ---- */
-
-static PetscInt RegisterOf(const MpmTableBuilder *b, PetscBool on_nodes, PetscInt field)
-{
-  return on_nodes ? b->node[field] : b->particle[field];
-}
 
 /* An operation between fields of one rank: one on each component. */
 static PetscErrorCode Each(MpmTableBuilder *b, const MpmOp *op)
@@ -64,8 +68,8 @@ static PetscErrorCode Each(MpmTableBuilder *b, const MpmOp *op)
   PetscCheck(MpmBuilderComponents(b, to, op->dst) == MpmBuilderComponents(b, from, op->src), PETSC_COMM_SELF,
              PETSC_ERR_SUP, "the table: fields of different ranks, in an operation that acts on each component");
   for (PetscInt c = 0; c < MpmBuilderComponents(b, to, op->dst); c++) {
-    one.dst = RegisterOf(b, to, op->dst) + c;
-    one.src = RegisterOf(b, from, op->src) + c;
+    one.dst = (to ? b->node : b->particle)[op->dst] + c;
+    one.src = (from ? b->node : b->particle)[op->src] + c;
     PetscCall(MpmBuilderAppend(b, one));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -94,6 +98,18 @@ PetscErrorCode MpmBuilderTerm(MpmTableBuilder *b, const MpmOp *op, PetscInt dst,
   one.factor      = op->factor * factor;
   one.accumulates = accumulates;
   PetscCall(MpmBuilderAppend(b, one));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBuilderSlopes(MpmTableBuilder *b, const MpmOp *op, PetscInt slopes, PetscInt v)
+{
+  const PetscInt dim = b->space->dim;
+  MpmOp          one = *op;
+
+  PetscFunctionBegin;
+  one.kind = MPM_G2P_SLOPE;
+  for (PetscInt c = 0; c < dim * dim; c++)
+    PetscCall(MpmBuilderTerm(b, &one, slopes + c, v + c / dim, c % dim, 1, PETSC_TRUE));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -130,63 +146,39 @@ static PetscErrorCode Move(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* The component of a field that DIV along an axis makes component a of another of, or MPM_NONE. */
+static PetscInt ComponentOfDiv(const MpmTableBuilder *b, PetscInt field, PetscInt a, PetscInt axis)
+{
+  const MpmRank rank = b->formulation->particle_ranks[field];
+
+  if (MpmBuilderIsAhead(b, field)) return b->space->dim * a + axis;
+  if (rank == MPM_TENSOR) return MpmSpaceStress(b->space, a, axis);
+  return rank == MPM_VECTOR ? axis : a == axis ? 0 : MPM_NONE;
+}
+
 static PetscErrorCode Div(MpmTableBuilder *b, const MpmOp *op)
 {
   const PetscInt  dim = b->space->dim, dst = b->node[op->dst], src = b->particle[op->src];
   const MpmRank   to = b->formulation->node_ranks[op->dst], from = b->formulation->particle_ranks[op->src];
-  const PetscReal stiffness   = IsOneNumber(b->space) ? 1 + b->space->prestress[0] : 1;
-  PetscBool       accumulates = op->accumulates;
+  const PetscBool stressed  = from == MPM_TENSOR && !MpmBuilderIsAhead(b, op->src) ? PETSC_TRUE : PETSC_FALSE;
+  const PetscReal stiffness = stressed && IsOneNumber(b->space) ? 1 + b->space->prestress[0] : 1;
 
   PetscFunctionBegin;
   PetscCheck(dim == 1 || (to == MPM_VECTOR && from != MPM_VECTOR) || (to == MPM_SCALAR && from == MPM_VECTOR),
              PETSC_COMM_SELF, PETSC_ERR_SUP,
              "the table: DIV makes a vector of a stress or a number, and a number of a vector");
-  if (MpmBuilderIsAhead(b, op->src)) {
-    for (PetscInt a = 0; a < dim; a++) {
-      for (PetscInt axis = 0; axis < dim; axis++)
-        PetscCall(MpmBuilderTerm(b, op, dst + a, src + dim * a + axis, axis, 1, axis ? PETSC_TRUE : op->accumulates));
-      PetscCall(Curve(b, op, a));
-    }
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (from != MPM_TENSOR) {
-    for (PetscInt a = 0; a < dim; a++) {
-      PetscCall(MpmBuilderTerm(b, op, dst + (to == MPM_VECTOR ? a : 0), src + (from == MPM_VECTOR ? a : 0), a, 1,
-                               accumulates));
-      if (to != MPM_VECTOR) accumulates = PETSC_TRUE;
-    }
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  for (PetscInt a = 0; a < dim; a++) {
-    accumulates = op->accumulates;
+  for (PetscInt a = 0; a < (to == MPM_VECTOR ? dim : 1); a++) {
+    PetscBool accumulates = op->accumulates;
 
     for (PetscInt axis = 0; axis < dim; axis++) {
-      const PetscInt component = MpmSpaceStress(b->space, a, axis);
+      const PetscInt component = ComponentOfDiv(b, op->src, a, axis);
 
       if (component == MPM_NONE) continue;
       PetscCall(MpmBuilderTerm(b, op, dst + a, src + component, axis, stiffness, accumulates));
       accumulates = PETSC_TRUE;
     }
-    PetscCall(Curve(b, op, a));
+    if (from == MPM_TENSOR) PetscCall(Curve(b, op, a));
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* s_ab += (c_abcd + d_ac sigma0_db + sigma0_ad d_bc) GRAD_d v_c */
-static PetscErrorCode GradToPrestressed(MpmTableBuilder *b, const MpmOp *op)
-{
-  const PetscInt dim = b->space->dim, s = b->particle[op->dst], v = b->node[op->src];
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < dim; i++)
-    for (PetscInt j = i; j < dim; j++)
-      for (PetscInt c = 0; c < dim; c++)
-        for (PetscInt d = 0; d < dim; d++) {
-          const PetscReal tangent = MpmSpaceTangent(b->space, i, j, c, d);
-
-          if (tangent != 0)
-            PetscCall(MpmBuilderTerm(b, op, s + MpmSpaceStress(b->space, i, j), v + c, d, tangent, PETSC_TRUE));
-        }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -208,56 +200,32 @@ static PetscErrorCode AheadFrom(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* q_ab += (ds_ab / d (dv_c/dx_d) - sigma0_ad d_bc) GRAD_d v_c: dT = dtau - tau L^T */
-static PetscErrorCode GradAhead(MpmTableBuilder *b, const MpmOp *op)
-{
-  const PetscInt dim = b->space->dim, q = b->particle[op->dst], v = b->node[op->src];
-
-  PetscFunctionBegin;
-  for (PetscInt i = 0; i < dim * dim * dim * dim; i++) {
-    const PetscInt  a = i / dim / dim / dim, e = i / dim / dim % dim, c = i / dim % dim, d = i % dim;
-    const PetscReal tangent = MpmSpaceTangent(b->space, a, e, c, d) - (e == c ? MpmSpacePrestress(b->space, a, d) : 0);
-
-    if (tangent != 0) PetscCall(MpmBuilderTerm(b, op, q + dim * a + e, v + c, d, tangent, PETSC_TRUE));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /*
-   s_ab += lambda delta_ab sum_c GRAD_c v_c + mu (GRAD_b v_a + GRAD_a v_b), with lambda + 2 mu = 1, or with the moduli of
-   each particle.
+   s_ab += sum_cd MpmSpaceTangent_abcd GRAD_d v_c, or with the moduli of each particle; of a fluid s += sum_c GRAD_c v_c; and of the stress ahead
+
+     q_ab += (ds_ab / d (dv_c/dx_d) - sigma0_ad d_bc) GRAD_d v_c:    dT = dtau - tau L^T
 */
 static PetscErrorCode GradToStress(MpmTableBuilder *b, const MpmOp *op)
 {
   const PetscInt  dim = b->space->dim, s = b->particle[op->dst], v = b->node[op->src];
-  const PetscReal nu = b->space->poisson, lambda = nu / (1 - nu), mu = (1 - 2 * nu) / (2 * (1 - nu));
-  MpmOp           of_lambda = *op, of_mu = *op;
+  const PetscBool ahead = MpmBuilderIsAhead(b, op->dst), fluid = MpmSpaceIsFluid(b->space) && !ahead;
 
   PetscFunctionBegin;
-  if (MpmSpaceIsFluid(b->space)) {
-    for (PetscInt a = 0; a < dim; a++) PetscCall(MpmBuilderTerm(b, op, s, v + a, a, 1, PETSC_TRUE));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (MpmSpaceIsPrestressed(b->space)) {
-    PetscCall(GradToPrestressed(b, op));
-    PetscFunctionReturn(PETSC_SUCCESS);
-  }
-  if (b->space->lames) {
-    of_lambda.side = MPM_LAMBDA - MPM_STIFFNESS;
-    of_mu.side     = MPM_SHEAR - MPM_STIFFNESS;
-  } else {
-    of_lambda.factor *= lambda;
-    of_mu.factor *= mu;
-  }
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt c = 0; c < dim; c++)
-      if (c == a || of_lambda.factor != 0)
-        PetscCall(
-            MpmBuilderTerm(b, c == a ? op : &of_lambda, s + MpmSpaceStress(b->space, a, a), v + c, c, 1, PETSC_TRUE));
-    for (PetscInt c = a + 1; c < dim; c++) {
-      PetscCall(MpmBuilderTerm(b, &of_mu, s + MpmSpaceStress(b->space, a, c), v + a, c, 1, PETSC_TRUE));
-      PetscCall(MpmBuilderTerm(b, &of_mu, s + MpmSpaceStress(b->space, a, c), v + c, a, 1, PETSC_TRUE));
+  for (PetscInt a = 0; a < dim && fluid; a++) PetscCall(MpmBuilderTerm(b, op, s, v + a, a, 1, PETSC_TRUE));
+  for (PetscInt i = 0; i < dim * dim * dim * dim && !fluid; i++) {
+    const PetscInt  a = i / dim / dim / dim, e = i / dim / dim % dim, c = i / dim % dim, d = i % dim;
+    const PetscBool of_trace = a == e && c == d ? PETSC_TRUE : PETSC_FALSE;
+    MpmOp           own      = *op;
+    PetscReal       tangent  = MpmSpaceTangent(b->space, a, e, c, d);
+
+    if (ahead && e == c) tangent -= MpmSpacePrestress(b->space, a, d);
+    if (b->space->lames && !MpmSpaceIsPrestressed(b->space)) {
+      own.side = !of_trace ? MPM_SHEAR - MPM_STIFFNESS : a == c ? 0 : MPM_LAMBDA - MPM_STIFFNESS;
+      tangent  = of_trace || (a == c && e == d) || (a == d && e == c);
     }
+    if (tangent != 0 && (ahead || a <= e))
+      PetscCall(MpmBuilderTerm(b, &own, s + (ahead ? dim * a + e : MpmSpaceStress(b->space, a, e)), v + c, d, tangent,
+                               PETSC_TRUE));
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -270,8 +238,6 @@ static PetscErrorCode Grad(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionBegin;
   if (dim == 1)
     PetscCall(MpmBuilderTerm(b, op, dst, src, 0, 1, PETSC_TRUE));
-  else if (MpmBuilderIsAhead(b, op->dst))
-    PetscCall(GradAhead(b, op));
   else if (to == MPM_TENSOR && from == MPM_VECTOR)
     PetscCall(GradToStress(b, op));
   else {
@@ -306,10 +272,8 @@ static PetscInt StressOf(const MpmTableBuilder *b)
   const MpmFormulation *f     = b->formulation;
   PetscInt              first = MPM_NONE;
 
-  for (PetscInt field = 0; f->particle_fields[field]; field++) {
-    if (MpmBuilderIsAhead(b, field)) return field;
-    if (f->particle_ranks[field] == MPM_TENSOR && first == MPM_NONE) first = field;
-  }
+  for (PetscInt field = 0; f->particle_fields[field]; field++)
+    if (MpmBuilderIsAhead(b, field) || (f->particle_ranks[field] == MPM_TENSOR && first == MPM_NONE)) first = field;
   return first;
 }
 
@@ -333,17 +297,13 @@ static PetscErrorCode StiffnessLines(MpmTableBuilder b, PetscInt field, PetscInt
   const MpmTransfer plain = {.name = b.transfer->name}; /* K is that of the grid, which no transfer has sharpened */
   MpmSpace          space = *b.space;
   const PetscInt    n     = MpmBuilderComponents(&b, PETSC_FALSE, stress);
-  PetscInt          scratch;
 
   PetscFunctionBegin;
   space.displaced = PETSC_FALSE;
   b.space         = &space;
   b.transfer      = &plain;
-  for (PetscInt c = 0; c < n; c++) {
-    PetscCall(MpmTableScratch(b.table, &scratch));
-    if (c == 0) b.particle[stress] = scratch;
-    PetscCall(MpmTableAppendOwn(b.table, (MpmOp)SCALE(scratch, 0)));
-  }
+  PetscCall(MpmBuilderScratches(b.table, n, &b.particle[stress]));
+  PetscCall(MpmBuilderClear(b.table, n, b.particle[stress]));
   PetscCall(Grad(&b, &(MpmOp)GRAD(stress, field, ONE)));
   b.node[field] = image;
   PetscCall(Div(&b, &(MpmOp){.kind = MPM_DIV, .dst = field, .src = stress, .factor = 1}));
@@ -356,13 +316,12 @@ static PetscErrorCode AddStiffness(MpmTableBuilder *b, PetscInt field, PetscInt 
 {
   MpmTable      *t    = b->table, *k;
   const MpmTable kept = *t;
-  PetscInt       image, node;
+  PetscInt       image;
 
   PetscFunctionBegin;
   MpmCheckInput(t->nstiff < MPM_MAX_STIFF, "%s: more than %d fields are IMPLICIT; allowed: fewer", t->where,
                 MPM_MAX_STIFF);
-  PetscCall(MpmTableNode(t, b->node[field], &image));
-  for (PetscInt c = 1; c < t->dim; c++) PetscCall(MpmTableNode(t, b->node[field] + c, &node));
+  PetscCall(MpmBuilderNodes(t, b->node[field], t->dim, &image));
   PetscCall(PetscNew(&k));
   t->ops  = NULL;
   t->nops = t->room = 0;
@@ -384,16 +343,16 @@ static PetscErrorCode AddStiffness(MpmTableBuilder *b, PetscInt field, PetscInt 
 static void CompleteStiffness(MpmTable *t)
 {
   for (PetscInt i = 0; i < t->nstiff; i++) {
-    const MpmTable own = *t->stiff[i];
+    MpmTable *k = t->stiff[i], own = *k;
 
-    *t->stiff[i]        = *t;
-    t->stiff[i]->nops   = own.nops;
-    t->stiff[i]->ops    = own.ops;
-    t->stiff[i]->solved = own.solved;
-    t->stiff[i]->image  = own.image;
-    t->stiff[i]->start  = own.start;
-    t->stiff[i]->theta  = own.theta;
-    t->stiff[i]->nstiff = 0;
+    *k        = *t;
+    k->nops   = own.nops;
+    k->ops    = own.ops;
+    k->solved = own.solved;
+    k->image  = own.image;
+    k->start  = own.start;
+    k->theta  = own.theta;
+    k->nstiff = 0;
   }
 }
 
@@ -427,11 +386,10 @@ static PetscErrorCode Implicit(MpmTableBuilder *b, const MpmOp *op)
 static PetscBool HasField(const MpmTableBuilder *b, MpmPlace place, PetscInt field)
 {
   const char *const *names = place == MPM_ON_NODES ? b->formulation->node_fields : b->formulation->particle_fields;
+  PetscInt           n     = 0;
 
-  if (place == MPM_NOWHERE) return PETSC_TRUE;
-  for (PetscInt f = 0; names[f]; f++)
-    if (f == field) return PETSC_TRUE;
-  return PETSC_FALSE;
+  while (names[n]) n++;
+  return place == MPM_NOWHERE || (field >= 0 && field < n) ? PETSC_TRUE : PETSC_FALSE;
 }
 
 static PetscErrorCode Expand(MpmTableBuilder *b, const MpmOp *op)
@@ -537,13 +495,8 @@ static PetscErrorCode SharpenBefore(MpmTableBuilder *b, PetscInt o)
   PetscFunctionBegin;
   if (f->ops[o].kind != MPM_SCALE || !f->scratch[f->ops[o].dst]) PetscFunctionReturn(PETSC_SUCCESS);
   for (; o < f->nops && f->ops[o].kind < MPM_OP_KINDS && MpmOpTraitsOf(f->ops[o].kind).dst == MPM_ON_PARTICLES; o++)
-    for (PetscInt c = 0;
-         MpmOpTraitsOf(f->ops[o].kind).src == MPM_ON_NODES && c < MpmBuilderComponents(b, PETSC_TRUE, f->ops[o].src);
-         c++) {
-      PetscInt sharp;
-
-      PetscCall(MpmBuilderSharpen(b, b->node[f->ops[o].src] + c, &sharp));
-    }
+    if (MpmOpTraitsOf(f->ops[o].kind).src == MPM_ON_NODES)
+      PetscCall(MpmBuilderSharpenAll(b, b->node[f->ops[o].src], MpmBuilderComponents(b, PETSC_TRUE, f->ops[o].src)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -590,7 +543,7 @@ static PetscErrorCode Translate(MpmTableBuilder *b)
       PetscCall(
           MpmFiniteGrad(b, op, o == 0 || !IsGradOf(&op[-1], op->dst), o + 1 == f->nops || !IsGradOf(&op[1], op->dst)));
     else if (b->space->finite && op->kind == MPM_DRIFT)
-      PetscCall(MpmFiniteMove(b));
+      PetscCall(MpmFiniteGo(b, b->velocity, 1));
     else if (op->kind == MPM_MOVE || op->kind == MPM_MOVE_PROJECTED)
       PetscCall(Move(b, op));
     else if (op->kind == MPM_MOVE_TO)
@@ -606,35 +559,6 @@ static PetscErrorCode Translate(MpmTableBuilder *b)
 }
 
 /* ---- the table ---- */
-
-/* Refuses a written scheme with more operations on nodes in a row than march has room for. */
-static PetscErrorCode CheckRuns(const MpmTable *t)
-{
-  PetscInt run = 0;
-
-  PetscFunctionBegin;
-  for (PetscInt o = 0; o < t->nops; o++) {
-    const MpmOpTraits traits = MpmOpTraitsOf(t->ops[o].kind);
-
-    run = traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES ? run + 1 : 0;
-    MpmCheckInput(run <= MPM_MAX_NODE_OPS,
-                  "%s: more than %d operations on nodes follow one another, with dim %" PetscInt_FMT
-                  "; allowed: fewer lines or dimensions",
-                  t->where, MPM_MAX_NODE_OPS, t->dim);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* What messages call a formulation: a written scheme stands in a line of a file. */
-static PetscErrorCode WhereOf(const MpmFormulation *f, size_t room, char where[])
-{
-  PetscFunctionBegin;
-  if (f->written)
-    (void)snprintf(where, room, "%.400s:%d: scheme %.60s", f->written->file, f->written->line, f->name);
-  else
-    PetscCall(PetscSNPrintf(where, room, "formulation %s", f->name));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
 
 PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransfer *transfer,
                               const MpmSchemeNumbers *numbers, const MpmSpace *space, MpmTable **table)
@@ -655,7 +579,11 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   b.table     = t;
   t->dim      = space->dim;
   written.ops = MpmFormulationLines(formulation, numbers, transfer, lines, &written.nops);
-  PetscCall(WhereOf(formulation, sizeof t->where, t->where));
+  if (formulation->written) /* what messages call it: it stands in a line of a file */
+    (void)snprintf(t->where, sizeof t->where, "%.400s:%d: scheme %.60s", formulation->written->file,
+                   formulation->written->line, formulation->name);
+  else
+    PetscCall(PetscSNPrintf(t->where, sizeof t->where, "formulation %s", formulation->name));
   t->transfer = transfer;
   b.trial = b.lost = b.lost_by = MPM_NONE;
   for (PetscInt n = 0; n < MPM_MAX_FIELDS; n++) b.kept[n] = b.sharp[n] = MPM_NONE;
@@ -664,7 +592,6 @@ PetscErrorCode MpmTableCreate(const MpmFormulation *formulation, const MpmTransf
   if (space->finite) PetscCall(MpmFinitePlan(&b));
   PetscCall(Translate(&b));
   CompleteStiffness(t);
-  PetscCall(CheckRuns(t));
   PetscCall(MpmTableCheck(t));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -676,48 +603,4 @@ PetscErrorCode MpmTableDestroy(MpmTable **table)
   if (*table) PetscCall(PetscFree((*table)->ops));
   PetscCall(PetscFree(*table));
   PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmTableRequireLinear(const MpmTable *table)
-{
-  PetscFunctionBegin;
-  MpmCheckInput(!MpmTableIsFinite(table),
-                "kinematics finite: the step is not linear, so that it has no operator and no "
-                "symbol; allowed: kinematics linear");
-  MpmCheckInput(
-      !MpmTableHas(table, MPM_LOCAL),
-      "local_damping: the force that it takes off turns with the sign of a velocity, so that the step has no operator, "
-      "no symbol and no limit; allowed: task run, or grid_damping");
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt field)
-{
-  for (PetscInt o = 0; o < table->nops; o++) {
-    const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
-
-    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES && table->ops[o].src == field)
-      return &table->ops[o];
-  }
-  return NULL;
-}
-
-const MpmParity *MpmTableParity(const MpmTable *table, PetscInt field)
-{
-  static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
-  const MpmOp           *seen              = MpmTableSeenBy(table, field);
-
-  return seen && seen->kind == MPM_P2G ? table->parity[seen->dst] : even;
-}
-
-PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind)
-{
-  for (PetscInt o = 0; o < table->nops; o++)
-    if (table->ops[o].kind == kind) return PETSC_TRUE;
-  return PETSC_FALSE;
-}
-
-PetscBool MpmTableSolves(const MpmTable *table)
-{
-  return MpmTableHas(table, MPM_SOLVE) || MpmTableHas(table, MPM_IMPLICIT) ? PETSC_TRUE : PETSC_FALSE;
 }

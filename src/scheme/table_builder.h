@@ -82,6 +82,14 @@ PetscErrorCode MpmBuilderAddComponents(MpmTable *table, const char name[], Petsc
                                        PetscBool whole);
 
 /*
+   Not collective. MpmBuilderNodes adds n node registers like those from register like on, MpmBuilderScratches n scratch
+   registers, and *first is the first of them. MpmBuilderClear sets n scratch registers to 0.
+*/
+PetscErrorCode MpmBuilderNodes(MpmTable *table, PetscInt like, PetscInt n, PetscInt *first);
+PetscErrorCode MpmBuilderScratches(MpmTable *table, PetscInt n, PetscInt *first);
+PetscErrorCode MpmBuilderClear(MpmTable *table, PetscInt n, PetscInt first);
+
+/*
    Not collective. MpmBuilderImposeWithReaction sets a node register to 0 at ends with a reaction, and keeps its values
    from before if a later REACT wants them. MpmBuilderReact is REACT of a node register.
 */
@@ -99,12 +107,15 @@ PetscErrorCode MpmBuilderGiveLost(MpmTableBuilder *b);
 
 /*
    Not collective. MpmBuilderAppend appends an operation. Where it goes from nodes to particles, it reads what the
-   transfer's sharpen makes of the nodes. MpmBuilderSharpen makes it, if the transfer has one, and says where it is.
-   MpmBuilderTerm appends a term of DIV, GRAD, G2P_SLOPE or CURVE: along an axis or two, with the weights of the space's
-   gradient.
+   transfer's sharpen makes of the nodes. MpmBuilderSharpen makes it, if the transfer has one, and says where it is;
+   MpmBuilderSharpenAll of n registers. MpmBuilderTerm appends a term of DIV, GRAD, G2P_SLOPE or CURVE: along an axis or
+   two, with the weights of the space's gradient. MpmBuilderSlopes adds the slopes of a velocity, from node register v
+   on, to dim x dim scratch registers.
 */
 PetscErrorCode MpmBuilderAppend(MpmTableBuilder *b, MpmOp op);
 PetscErrorCode MpmBuilderSharpen(MpmTableBuilder *b, PetscInt node, PetscInt *sharp);
+PetscErrorCode MpmBuilderSharpenAll(MpmTableBuilder *b, PetscInt first, PetscInt n);
+PetscErrorCode MpmBuilderSlopes(MpmTableBuilder *b, const MpmOp *op, PetscInt slopes, PetscInt v);
 PetscErrorCode MpmBuilderTerm(MpmTableBuilder *b, const MpmOp *op, PetscInt dst, PetscInt src, PetscInt axis,
                               PetscReal factor, PetscBool accumulates);
 
@@ -122,8 +133,9 @@ PetscErrorCode MpmDampingAfter(MpmTableBuilder *b, PetscInt o);
    MpmFiniteAddScratch - the scratch registers
    MpmFinitePlan       - finds out what particles move with
    MpmFiniteSet        - the operations for a stress of a stage that is set to that of the state
-   MpmFiniteDiv, MpmFiniteGrad, MpmFiniteMove - the operations for DIV of a stress, GRAD to a stress, and DRIFT.
-                         MpmFiniteMoveTo: of MOVE_TO
+   MpmFiniteDiv, MpmFiniteGrad - the operations for DIV of a stress and GRAD to a stress
+   MpmFiniteGo         - particles go to where a velocity from node register velocity on has taken them by a part of the
+                         step: all of it for DRIFT. MpmFiniteMoveTo: of MOVE_TO
    MpmFiniteAhead      - the operations for IMPLICIT of a field, whose own table has the acceleration in registers from
                          image on
    MpmFiniteBefore     - what must be done before line number o of the formulation, and MpmFiniteAfter: after it
@@ -135,7 +147,7 @@ PetscErrorCode MpmFinitePlan(MpmTableBuilder *b);
 PetscErrorCode MpmFiniteSet(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteGrad(MpmTableBuilder *b, const MpmOp *op, PetscBool begins, PetscBool ends);
-PetscErrorCode MpmFiniteMove(MpmTableBuilder *b);
+PetscErrorCode MpmFiniteGo(MpmTableBuilder *b, PetscInt velocity, PetscReal part);
 PetscErrorCode MpmFiniteMoveTo(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteBefore(MpmTableBuilder *b, const MpmOp *op);
 PetscErrorCode MpmFiniteAfter(MpmTableBuilder *b, PetscInt o);

@@ -1,5 +1,9 @@
-/* What the interpreters of a table support. A table that they would get wrong is refused when it is made. */
+/*
+   What the interpreters of a table support, and what they ask of it. A table that they would get wrong is refused when
+   it is made.
+*/
 #include "scheme/table_builder.h"
+#include <mpmstab/errors.h>
 
 #define SUPPORTED(condition, o, why)                                                                                   \
   PetscCheck(condition, PETSC_COMM_SELF, PETSC_ERR_SUP, "operation %" PetscInt_FMT " of the table: %s", o, why)
@@ -56,11 +60,68 @@ static PetscErrorCode CheckOp(const MpmTable *t, PetscInt o, PetscBool written[]
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/* Also refuses a written scheme with more operations on nodes in a row than march has room for. */
 PetscErrorCode MpmTableCheck(const MpmTable *t)
 {
   PetscBool written[MPM_MAX_FIELDS] = {PETSC_FALSE};
+  PetscInt  run                     = 0;
 
   PetscFunctionBegin;
-  for (PetscInt o = 0; o < t->nops; o++) PetscCall(CheckOp(t, o, written));
+  for (PetscInt o = 0; o < t->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(t->ops[o].kind);
+
+    run = traits.dst == MPM_ON_NODES && traits.src == MPM_ON_NODES ? run + 1 : 0;
+    MpmCheckInput(run <= MPM_MAX_NODE_OPS,
+                  "%s: more than %d operations on nodes follow one another, with dim %" PetscInt_FMT
+                  "; allowed: fewer lines or dimensions",
+                  t->where, MPM_MAX_NODE_OPS, t->dim);
+    PetscCall(CheckOp(t, o, written));
+  }
   PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* ---- what is asked of a table ---- */
+
+PetscErrorCode MpmTableRequireLinear(const MpmTable *table)
+{
+  PetscFunctionBegin;
+  MpmCheckInput(!MpmTableIsFinite(table),
+                "kinematics finite: the step is not linear, so that it has no operator and no "
+                "symbol; allowed: kinematics linear");
+  MpmCheckInput(
+      !MpmTableHas(table, MPM_LOCAL),
+      "local_damping: the force that it takes off turns with the sign of a velocity, so that the step has no operator, "
+      "no symbol and no limit; allowed: task run, or grid_damping");
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+const MpmOp *MpmTableSeenBy(const MpmTable *table, PetscInt field)
+{
+  for (PetscInt o = 0; o < table->nops; o++) {
+    const MpmOpTraits traits = MpmOpTraitsOf(table->ops[o].kind);
+
+    if (traits.dst == MPM_ON_NODES && traits.src == MPM_ON_PARTICLES && table->ops[o].src == field)
+      return &table->ops[o];
+  }
+  return NULL;
+}
+
+const MpmParity *MpmTableParity(const MpmTable *table, PetscInt field)
+{
+  static const MpmParity even[MPM_MAX_DIM] = {MPM_EVEN, MPM_EVEN, MPM_EVEN};
+  const MpmOp           *seen              = MpmTableSeenBy(table, field);
+
+  return seen && seen->kind == MPM_P2G ? table->parity[seen->dst] : even;
+}
+
+PetscBool MpmTableHas(const MpmTable *table, MpmOpKind kind)
+{
+  for (PetscInt o = 0; o < table->nops; o++)
+    if (table->ops[o].kind == kind) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+PetscBool MpmTableSolves(const MpmTable *table)
+{
+  return MpmTableHas(table, MPM_SOLVE) || MpmTableHas(table, MPM_IMPLICIT) ? PETSC_TRUE : PETSC_FALSE;
 }

@@ -69,16 +69,13 @@ static PetscInt Component(const MpmTableBuilder *b, PetscInt a, PetscInt c)
 static PetscErrorCode Rate(MpmTableBuilder *b, PetscInt v)
 {
   static const MpmOp slope = {.kind = MPM_G2P_SLOPE, .accumulates = PETSC_TRUE, .factor = 1};
-  const PetscInt     dim = b->space->dim, n = dim * dim;
-  const PetscBool    begun = b->rate != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
-  PetscInt           other;
+  const PetscInt     dim   = b->space->dim;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim; a++) PetscCall(MpmBuilderSharpen(b, v + a, &other));
-  for (PetscInt c = 0; c < n && !begun; c++) PetscCall(MpmTableScratch(b->table, c ? &other : &b->rate));
-  for (PetscInt c = 0; c < n; c++) PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->rate + c, 0)));
-  for (PetscInt c = 0; c < n; c++)
-    PetscCall(MpmBuilderTerm(b, &slope, b->rate + c, v + c / dim, c % dim, 1, PETSC_TRUE));
+  PetscCall(MpmBuilderSharpenAll(b, v, dim));
+  if (b->rate == MPM_NONE) PetscCall(MpmBuilderScratches(b->table, dim * dim, &b->rate));
+  PetscCall(MpmBuilderClear(b->table, dim * dim, b->rate));
+  PetscCall(MpmBuilderSlopes(b, &slope, b->rate, v));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -97,13 +94,11 @@ static PetscErrorCode Stress(MpmTableBuilder *b, PetscInt v)
 {
   const PetscReal lambda = b->space->viscous[0], mu = b->space->viscous[1];
   const PetscInt  dim = b->space->dim, n = mu == 0 ? 1 : dim * (dim + 1) / 2;
-  const PetscBool begun = b->viscous != MPM_NONE ? PETSC_TRUE : PETSC_FALSE;
-  PetscInt        sharp;
 
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < dim; a++) PetscCall(MpmBuilderSharpen(b, v + a, &sharp));
-  for (PetscInt c = 0; c < n && !begun; c++) PetscCall(MpmTableScratch(b->table, c ? &sharp : &b->viscous));
-  for (PetscInt c = 0; c < n; c++) PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->viscous + c, 0)));
+  PetscCall(MpmBuilderSharpenAll(b, v, dim));
+  if (b->viscous == MPM_NONE) PetscCall(MpmBuilderScratches(b->table, n, &b->viscous));
+  PetscCall(MpmBuilderClear(b->table, n, b->viscous));
   for (PetscInt a = 0; a < dim; a++) {
     for (PetscInt c = 0; c < dim && n > 1; c++)
       PetscCall(Add(b, Component(b, a, a), v + c, c, lambda + (c == a ? 2 * mu : 0)));

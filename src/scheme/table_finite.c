@@ -50,16 +50,6 @@ PetscErrorCode MpmFiniteAddState(MpmTableBuilder *b, PetscInt field)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-static PetscErrorCode AddVector(MpmTable *t, PetscInt n, PetscInt *first)
-{
-  PetscInt scratch;
-
-  PetscFunctionBegin;
-  PetscCall(MpmTableScratch(t, first));
-  for (PetscInt c = 1; c < n; c++) PetscCall(MpmTableScratch(t, &scratch));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmFiniteAddScratch(MpmTableBuilder *b)
 {
   const MpmFormulation *f   = b->formulation;
@@ -68,24 +58,24 @@ PetscErrorCode MpmFiniteAddScratch(MpmTableBuilder *b)
   PetscInt              tau;
 
   PetscFunctionBegin;
-  PetscCall(AddVector(t, MpmSpaceComponents(b->space, MPM_TENSOR), &tau));
+  PetscCall(MpmBuilderScratches(t, MpmSpaceComponents(b->space, MPM_TENSOR), &tau));
   for (PetscInt o = 0; o < f->nops; o++)
     if (f->ops[o].kind == MPM_IMPLICIT) b->implicit = PETSC_TRUE;
-  if (b->implicit) PetscCall(AddVector(t, dim * dim, &b->stress));
+  if (b->implicit) PetscCall(MpmBuilderScratches(t, dim * dim, &b->stress));
   for (PetscInt field = 0; f->particle_fields[field]; field++) {
     if (f->particle_ranks[field] != MPM_TENSOR) continue;
     b->particle[field]  = tau;
     b->stretched[field] = t->stretch;
     if (!f->scratch[field] || b->implicit) continue;
-    PetscCall(AddVector(t, dim * dim, &b->stretched[field]));
+    PetscCall(MpmBuilderScratches(t, dim * dim, &b->stretched[field]));
     b->staged = PETSC_TRUE;
   }
   b->stretching = MPM_NONE;
-  PetscCall(AddVector(t, dim * dim, &b->slope));
-  PetscCall(AddVector(t, dim, &b->way));
+  PetscCall(MpmBuilderScratches(t, dim * dim, &b->slope));
+  PetscCall(MpmBuilderScratches(t, dim, &b->way));
   b->load    = MPM_NONE;
   b->at_part = 0;
-  if (b->space->loaded) PetscCall(AddVector(t, dim, &b->load));
+  if (b->space->loaded) PetscCall(MpmBuilderScratches(t, dim, &b->load));
   t->material = b->space->material;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -151,12 +141,7 @@ PetscErrorCode MpmFinitePlan(MpmTableBuilder *b)
     b->nsummed = 1;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  PetscCall(MpmTableNode(b->table, b->node[b->moved[0]], &b->velocity));
-  for (PetscInt a = 1; a < b->space->dim; a++) {
-    PetscInt node;
-
-    PetscCall(MpmTableNode(b->table, b->node[b->moved[0]] + a, &node));
-  }
+  PetscCall(MpmBuilderNodes(b->table, b->node[b->moved[0]], b->space->dim, &b->velocity));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -211,6 +196,33 @@ PetscErrorCode MpmFiniteSet(MpmTableBuilder *b, const MpmOp *op)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+/*
+   DIV of a stress, which has dim x dim components if it is whole, to a node register and those after it; and the body
+   force at a part of the step.
+*/
+static PetscErrorCode Force(MpmTableBuilder *b, const MpmOp *div, PetscInt node, PetscInt stress, PetscBool whole,
+                            PetscReal part)
+{
+  const PetscInt dim = b->space->dim;
+
+  PetscFunctionBegin;
+  if (b->space->loaded)
+    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = part}));
+  for (PetscInt a = 0; a < dim; a++) {
+    for (PetscInt axis = 0; axis < dim; axis++)
+      PetscCall(MpmBuilderTerm(b, div, node + a, stress + (whole ? dim * a + axis : MpmSpaceStress(b->space, a, axis)),
+                               axis, b->space->stiffness, axis ? PETSC_TRUE : div->accumulates));
+    if (!b->space->loaded) continue;
+    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind        = MPM_P2G,
+                                                  .dst         = node + a,
+                                                  .src         = b->load + a,
+                                                  .accumulates = PETSC_TRUE,
+                                                  .coefficient = div->coefficient,
+                                                  .factor      = -div->factor}));
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
 PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
 {
   const PetscInt  dim = b->space->dim, node = b->node[op->dst], tau = b->particle[op->src];
@@ -227,21 +239,7 @@ PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
   if (b->rate != MPM_NONE && !op->accumulates)
     PetscCall(MpmTableAppendOwn(
         b->table, (MpmOp){.kind = MPM_VISCOUS, .dst = tau, .src = b->rate, .factor = 1 / b->space->stiffness}));
-  if (b->space->loaded)
-    PetscCall(
-        MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = b->at_part}));
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt axis = 0; axis < dim; axis++)
-      PetscCall(MpmBuilderTerm(b, op, node + a, tau + MpmSpaceStress(b->space, a, axis), axis, b->space->stiffness,
-                               axis ? PETSC_TRUE : op->accumulates));
-    if (!b->space->loaded) continue;
-    PetscCall(MpmTableAppendOwn(b->table, (MpmOp){.kind        = MPM_P2G,
-                                                  .dst         = node + a,
-                                                  .src         = b->load + a,
-                                                  .accumulates = PETSC_TRUE,
-                                                  .coefficient = op->coefficient,
-                                                  .factor      = -op->factor}));
-  }
+  PetscCall(Force(b, op, node, tau, PETSC_FALSE, b->at_part));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -251,46 +249,28 @@ PetscErrorCode MpmFiniteDiv(MpmTableBuilder *b, const MpmOp *op)
 */
 PetscErrorCode MpmFiniteAhead(MpmTableBuilder *b, PetscInt field, PetscInt image)
 {
-  static const MpmOp slope = GRAD(0, 0, ONE), div = MINUS_DIV(0, 0, ONE);
+  static const MpmOp grad = GRAD(0, 0, ONE), div = MINUS_DIV(0, 0, ONE);
   const MpmTransfer  plain = {.name = b->transfer->name};
   const PetscInt     dim   = b->space->dim;
   MpmTableBuilder    own   = *b;
 
   PetscFunctionBegin;
   own.transfer = &plain;
-  for (PetscInt c = 0; c < dim * dim; c++) PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->slope + c, 0)));
-  for (PetscInt c = 0; c < dim * dim; c++) {
-    MpmOp one = slope;
-
-    one.kind = MPM_G2P_SLOPE;
-    PetscCall(MpmBuilderTerm(&own, &one, b->slope + c, b->node[field] + c / dim, c % dim, 1, PETSC_TRUE));
-  }
+  PetscCall(MpmBuilderClear(b->table, dim * dim, b->slope));
+  PetscCall(MpmBuilderSlopes(&own, &grad, b->slope, b->node[field]));
   PetscCall(MpmTableAppendOwn(
       b->table, (MpmOp){.kind = MPM_STRESS_AHEAD, .dst = b->stress, .src = b->slope, .factor = b->ahead}));
-  for (PetscInt c = 0; c < dim * dim; c++)
-    PetscCall(MpmBuilderTerm(&own, &div, image + c / dim, b->stress + c, c % dim, b->space->stiffness,
-                             c % dim ? PETSC_TRUE : PETSC_FALSE));
-  if (b->space->loaded)
-    PetscCall(
-        MpmTableAppendOwn(b->table, (MpmOp){.kind = MPM_LOAD, .dst = b->load, .src = b->load, .factor = b->ahead}));
-  for (PetscInt a = 0; a < dim && b->space->loaded; a++) {
-    MpmOp add = P2G(image + a, b->load + a);
-
-    add.accumulates = PETSC_TRUE;
-    PetscCall(MpmTableAppendOwn(b->table, add));
-  }
+  PetscCall(Force(&own, &div, image, b->stress, PETSC_TRUE, b->ahead));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmFiniteGrad(MpmTableBuilder *b, const MpmOp *op, PetscBool begins, PetscBool ends)
 {
-  const PetscInt dim   = b->space->dim;
-  MpmOp          slope = *op;
+  const PetscInt dim = b->space->dim;
 
   PetscFunctionBegin;
   PetscCheck(b->formulation->particle_ranks[op->dst] == MPM_TENSOR && b->formulation->node_ranks[op->src] == MPM_VECTOR,
              PETSC_COMM_SELF, PETSC_ERR_SUP, "the table: at finite deformation GRAD makes a stress of a vector");
-  slope.kind = MPM_G2P_SLOPE;
   for (PetscInt a = 0; a < dim; a++) {
     PetscInt sharp; /* what a transfer makes of the nodes comes before the scratch begins */
 
@@ -303,11 +283,8 @@ PetscErrorCode MpmFiniteGrad(MpmTableBuilder *b, const MpmOp *op, PetscBool begi
     b->ahead = op->factor;
     PetscFunctionReturn(PETSC_SUCCESS);
   }
-  for (PetscInt c = 0; c < dim * dim && begins; c++)
-    PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->slope + c, 0)));
-  for (PetscInt a = 0; a < dim; a++)
-    for (PetscInt axis = 0; axis < dim; axis++)
-      PetscCall(MpmBuilderTerm(b, &slope, b->slope + dim * a + axis, b->node[op->src] + a, axis, 1, PETSC_TRUE));
+  if (begins) PetscCall(MpmBuilderClear(b->table, dim * dim, b->slope));
+  PetscCall(MpmBuilderSlopes(b, op, b->slope, b->node[op->src]));
   if (ends) b->stretching = b->stretched[op->dst];
   PetscFunctionReturn(PETSC_SUCCESS);
 }
@@ -322,16 +299,11 @@ static PetscErrorCode AddTo(MpmTableBuilder *b, PetscInt to, PetscReal factor, P
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Particles go to where a velocity from node register velocity on has taken them by a part of the step. */
-static PetscErrorCode Go(MpmTableBuilder *b, PetscInt velocity, PetscReal part)
+PetscErrorCode MpmFiniteGo(MpmTableBuilder *b, PetscInt velocity, PetscReal part)
 {
   PetscFunctionBegin;
-  for (PetscInt a = 0; a < b->space->dim; a++) {
-    PetscInt sharp;
-
-    PetscCall(MpmBuilderSharpen(b, velocity + a, &sharp));
-  }
-  for (PetscInt a = 0; a < b->space->dim; a++) PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->way + a, 0)));
+  PetscCall(MpmBuilderSharpenAll(b, velocity, b->space->dim));
+  PetscCall(MpmBuilderClear(b->table, b->space->dim, b->way));
   if (b->at_part > 0) PetscCall(AddTo(b, b->way, -1, b->gone));
   for (PetscInt a = 0; a < b->space->dim; a++)
     PetscCall(MpmBuilderAppend(b, (MpmOp)G2P_TIMES(b->way + a, velocity + a, part, COURANT)));
@@ -342,20 +314,12 @@ static PetscErrorCode Go(MpmTableBuilder *b, PetscInt velocity, PetscReal part)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmFiniteMove(MpmTableBuilder *b)
-{
-  PetscFunctionBegin;
-  PetscCall(Go(b, b->velocity, 1));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 /* At small strain particles stay where they are, or move with the drift alone. */
 PetscErrorCode MpmFiniteMoveTo(MpmTableBuilder *b, const MpmOp *op)
 {
   PetscFunctionBegin;
   if (!b->space->finite) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt a = 0; a < b->space->dim && b->at_part == 0; a++)
-    PetscCall(MpmTableAppendOwn(b->table, (MpmOp)SCALE(b->gone + a, 0)));
-  PetscCall(Go(b, b->node[op->src], op->factor));
+  if (b->at_part == 0) PetscCall(MpmBuilderClear(b->table, b->space->dim, b->gone));
+  PetscCall(MpmFiniteGo(b, b->node[op->src], op->factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -21,10 +21,14 @@ PetscReal MpmSpacePrestress(const MpmSpace *space, PetscInt a, PetscInt b)
 
 PetscReal MpmSpaceTangent(const MpmSpace *space, PetscInt a, PetscInt b, PetscInt c, PetscInt d)
 {
-  const PetscReal *q       = space->squares;
+  const PetscReal *q = space->squares, nu = space->poisson;
   PetscReal        tangent = a == b && c == d ? space->lambda * q[a] * q[c] : 0;
 
   if (MpmSpaceIsFluid(space)) return a == b && c == d ? 1 + space->prestress[0] : 0;
+  if (!MpmSpaceIsPrestressed(space)) {
+    if (a == b && c == d) return a == c ? 1 : nu / (1 - nu);
+    return (a == c && b == d) || (a == d && b == c) ? (1 - 2 * nu) / (2 * (1 - nu)) : 0;
+  }
   if (a == c && b == d) tangent += space->mu * q[a] * q[b];
   if (a == d && b == c) tangent += space->mu * q[a] * q[b];
   if (a == c) tangent += MpmSpacePrestress(space, d, b);
@@ -136,6 +140,31 @@ PetscErrorCode MpmTableScratch(MpmTable *t, PetscInt *particle)
   PetscFunctionBegin;
   PetscCall(CheckRoom(t, t->nparticles, "particle"));
   *particle = t->nparticles++;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBuilderNodes(MpmTable *t, PetscInt like, PetscInt n, PetscInt *first)
+{
+  PetscInt node;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < n; c++) PetscCall(MpmTableNode(t, like + c, c ? &node : first));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBuilderScratches(MpmTable *t, PetscInt n, PetscInt *first)
+{
+  PetscInt scratch;
+
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < n; c++) PetscCall(MpmTableScratch(t, c ? &scratch : first));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+PetscErrorCode MpmBuilderClear(MpmTable *t, PetscInt n, PetscInt first)
+{
+  PetscFunctionBegin;
+  for (PetscInt c = 0; c < n; c++) PetscCall(MpmTableAppendOwn(t, (MpmOp)SCALE(first + c, 0)));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -274,12 +303,7 @@ static PetscErrorCode AddScratch(MpmTableBuilder *b, PetscInt field)
   for (PetscInt o = 0; o < f->nops; o++)
     if (f->ops[o].kind == MPM_SCALE && f->ops[o].dst == field) used = PETSC_TRUE;
   if (b->space->finite && f->particle_ranks[field] == MPM_TENSOR) PetscFunctionReturn(PETSC_SUCCESS);
-  for (PetscInt c = 0; c < MpmBuilderComponents(b, PETSC_FALSE, field) && used; c++) {
-    PetscInt scratch;
-
-    if (c == 0) b->particle[field] = b->table->nparticles;
-    PetscCall(MpmTableScratch(b->table, &scratch));
-  }
+  if (used) PetscCall(MpmBuilderScratches(b->table, MpmBuilderComponents(b, PETSC_FALSE, field), &b->particle[field]));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

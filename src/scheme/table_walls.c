@@ -21,41 +21,38 @@ static PetscErrorCode Wall(MpmTable *t, PetscInt axis, PetscInt end, PetscInt ds
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmTableImpose(MpmTable *t, PetscInt node)
+/* The same at all ends with a reaction, or at those that impose dst without one. */
+static PetscErrorCode Walls(MpmTable *t, PetscBool reaction, PetscInt dst, PetscInt src, PetscReal factor)
 {
   PetscFunctionBegin;
   for (PetscInt axis = 0; axis < t->dim; axis++)
     for (PetscInt end = 0; end < 2; end++)
-      if (MpmEndImposes(t->ends[axis][end], t->parity[node][axis])) PetscCall(Wall(t, axis, end, node, node, 0));
+      if (reaction ? t->ends[axis][end] == MPM_FIXED_REACTION : MpmEndImposes(t->ends[axis][end], t->parity[dst][axis]))
+        PetscCall(Wall(t, axis, end, dst, src, factor));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/* Keeps the values of a node register at all ends with a reaction. */
-static PetscErrorCode Keep(MpmTableBuilder *b, PetscInt node)
+PetscErrorCode MpmTableImpose(MpmTable *t, PetscInt node)
 {
-  MpmTable *t = b->table;
-
   PetscFunctionBegin;
-  PetscCall(MpmTableNode(t, node, &b->kept[node]));
-  for (PetscInt axis = 0; axis < t->dim; axis++)
-    for (PetscInt end = 0; end < 2; end++)
-      if (t->ends[axis][end] == MPM_FIXED_REACTION) PetscCall(Wall(t, axis, end, b->kept[node], node, 1));
+  PetscCall(Walls(t, PETSC_FALSE, node, node, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /* A value from before the wall is kept the first time that the wall is imposed in the step. */
 PetscErrorCode MpmBuilderImposeWithReaction(MpmTableBuilder *b, PetscInt node, PetscBool wanted)
 {
-  MpmTable *t = b->table;
+  MpmTable *t      = b->table;
+  PetscBool reacts = PETSC_FALSE;
 
   PetscFunctionBegin;
-  for (PetscInt axis = 0; axis < t->dim; axis++) {
-    for (PetscInt end = 0; end < 2; end++) {
-      if (t->ends[axis][end] != MPM_FIXED_REACTION) continue;
-      if (wanted && b->kept[node] == MPM_NONE) PetscCall(Keep(b, node));
-      PetscCall(Wall(t, axis, end, node, node, 0));
-    }
+  for (PetscInt i = 0; i < 2 * t->dim; i++)
+    if (t->ends[i / 2][i % 2] == MPM_FIXED_REACTION) reacts = PETSC_TRUE;
+  if (reacts && wanted && b->kept[node] == MPM_NONE) {
+    PetscCall(MpmTableNode(t, node, &b->kept[node]));
+    PetscCall(Walls(t, PETSC_TRUE, b->kept[node], node, 1));
   }
+  PetscCall(Walls(t, PETSC_TRUE, node, node, 0));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -93,18 +90,6 @@ static PetscBool ReactsLater(const MpmFormulation *f, PetscInt o, PetscInt node)
   return PETSC_FALSE;
 }
 
-/* Registers for a velocity, like those of a node field. */
-static PetscErrorCode AddNodes(MpmTableBuilder *b, PetscInt node, PetscInt *first)
-{
-  PetscInt next;
-
-  PetscFunctionBegin;
-  if (*first != MPM_NONE) PetscFunctionReturn(PETSC_SUCCESS);
-  PetscCall(MpmTableNode(b->table, b->node[node], first));
-  for (PetscInt c = 1; c < b->table->dim; c++) PetscCall(MpmTableNode(b->table, b->node[node] + c, &next));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 static PetscErrorCode Copy(MpmTableBuilder *b, PetscInt dst, PetscInt src, PetscReal factor, PetscBool accumulates)
 {
   PetscFunctionBegin;
@@ -119,7 +104,7 @@ static PetscErrorCode Copy(MpmTableBuilder *b, PetscInt dst, PetscInt src, Petsc
 static PetscErrorCode Collide(MpmTableBuilder *b, PetscInt dst, PetscInt node, PetscInt plus)
 {
   PetscFunctionBegin;
-  PetscCall(AddNodes(b, node, &b->trial));
+  if (b->trial == MPM_NONE) PetscCall(MpmBuilderNodes(b->table, b->node[node], b->table->dim, &b->trial));
   PetscCall(Copy(b, b->trial, b->node[node], 1, PETSC_FALSE));
   if (plus != MPM_NONE) PetscCall(Copy(b, b->trial, plus, 1, PETSC_TRUE));
   for (PetscInt c = 0; c < b->table->dim; c++)
@@ -145,7 +130,7 @@ PetscErrorCode MpmBuilderCollide(MpmTableBuilder *b, PetscInt o)
   if (!Collides(b, node)) PetscFunctionReturn(PETSC_SUCCESS);
   if (sum != MPM_NONE && ReactsLater(b->formulation, o, node) && b->lost_by == MPM_NONE) {
     b->lost_by = b->formulation->ops[sum].src;
-    PetscCall(AddNodes(b, node, &b->lost));
+    if (b->lost == MPM_NONE) PetscCall(MpmBuilderNodes(b->table, b->node[node], b->table->dim, &b->lost));
     PetscCall(Copy(b, b->lost, b->node[node], 1, PETSC_FALSE));
   }
   PetscCall(Collide(b, b->node[node], node, MPM_NONE));

@@ -19,7 +19,7 @@ void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscRe
   PetscInt         numbers[2] = {0, 0}; /* without and with filter */
 
   *all = MPM_NONE;
-  if (b->period > 1 || !scheme->transfer->null_factor || !MpmFormulationKeepsUnseen(scheme->formulation)) return;
+  if (b->period > 1 || !scheme->transfer->filter_symbol || !MpmFormulationKeepsUnseen(scheme->formulation)) return;
   for (PetscInt r = 0; r < t->nstate; r++) {
     PetscInt components = 0, seen;
 
@@ -33,7 +33,7 @@ void MpmBlochCountNull(const MpmBloch *b, PetscInt *rest, PetscInt *all, PetscRe
   }
   *rest   = numbers[0];
   *all    = numbers[0] + numbers[1];
-  *factor = scheme->transfer->null_factor(&scheme->numbers);
+  *factor = scheme->transfer->filter_symbol(&scheme->numbers, 0);
 }
 
 /*
@@ -69,7 +69,7 @@ PetscErrorCode MpmBlochNodalCreate(const MpmBloch *b, MpmBlochNodal **nodal)
   PetscFunctionBegin;
   *nodal = NULL;
   MpmBlochCountNull(b, &rest, &all, &factor);
-  if (b->layout->dim == 1 || b->period > 1 || (all == MPM_NONE && scheme->transfer->null_factor) ||
+  if (b->layout->dim == 1 || b->period > 1 || (all == MPM_NONE && scheme->transfer->filter_symbol) ||
       scheme->formulation->written)
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(MpmNodalPlanCreate(scheme->table, &why, &plan));
@@ -379,21 +379,7 @@ static PetscErrorCode GainedGrowth(MpmBlochGained *g, MpmBloch *b, PetscReal cou
 
 /* ---- growth, by the shortest way ---- */
 
-/* Growth by the matrix of a turn, divided by 2^exponent, which takes the place of eigen's. */
-static PetscErrorCode OfTurn(const MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt exponent, PetscReal *growth,
-                             PetscReal *without_null)
-{
-  PetscReal largest = 0;
-
-  PetscFunctionBegin;
-  PetscCall(MpmSmallEigenSolve(eigen, PETSC_FALSE));
-  for (PetscInt i = 0; i < eigen->n; i++) largest = PetscMax(largest, cabs(eigen->value[i]));
-  *growth       = MpmGrowthPerStep(largest, exponent, bloch->turn);
-  *without_null = bloch->nodal && bloch->nodal->all != MPM_NONE ? *growth : NAN;
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* The same for up to as many Courant numbers as there are lanes. */
+/* Growth by the matrices of a turn, of up to as many Courant numbers as there are lanes. */
 static PetscErrorCode OfTurns(MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt n, const PetscReal courant[],
                               const PetscReal beta[], PetscReal growth[], PetscReal without_null[])
 {
@@ -403,8 +389,13 @@ static PetscErrorCode OfTurns(MpmBloch *bloch, MpmSmallEigen *eigen, PetscInt n,
   PetscFunctionBegin;
   PetscCall(MpmBlochTurns(bloch, n, courant, beta, bloch->turns, exponent));
   for (PetscInt i = 0; i < n; i++) {
+    PetscReal largest = 0;
+
     PetscCall(PetscArraycpy(eigen->matrix, bloch->turns + i * numbers, numbers));
-    PetscCall(OfTurn(bloch, eigen, exponent[i], &growth[i], &without_null[i]));
+    PetscCall(MpmSmallEigenSolve(eigen, PETSC_FALSE));
+    for (PetscInt j = 0; j < eigen->n; j++) largest = PetscMax(largest, cabs(eigen->value[j]));
+    growth[i]       = MpmGrowthPerStep(largest, exponent[i], bloch->turn);
+    without_null[i] = bloch->nodal && bloch->nodal->all != MPM_NONE ? growth[i] : NAN;
   }
   PetscFunctionReturn(PETSC_SUCCESS);
 }

@@ -60,14 +60,11 @@ const char *MpmPredictionText(const MpmScheme *scheme)
                                                : scheme->formulation->corrected_text;
 }
 
-static MpmOpKind GradientOf(const MpmScheme *scheme)
+/* The kind of a map with the weights of the space's gradient. */
+static MpmOpKind Fitted(const MpmScheme *scheme, MpmOpKind kind)
 {
-  return scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_GRAD_MLS : MPM_GRAD;
-}
-
-static MpmOpKind CurveOf(const MpmScheme *scheme)
-{
-  return scheme->space.gradient == MPM_GRADIENT_MLS ? MPM_CURVE_MLS : MPM_CURVE;
+  if (scheme->space.gradient != MPM_GRADIENT_MLS) return kind;
+  return kind == MPM_GRAD ? MPM_GRAD_MLS : MPM_CURVE_MLS;
 }
 
 /* Whether displaced particles make forces by the second derivatives along one direction. */
@@ -106,12 +103,13 @@ static Along AlongOf(const MpmPredictor *p, PetscInt axis, PetscReal beta)
   MpmTiesWave(ties, beta, wave);
   for (PetscInt j = 0; j < ties->n; j++) {
     const double complex value = MpmTie(ties, p->at, MPM_P2G, j, wave);
-    const double complex slope = MpmTie(ties, p->at, GradientOf(p->scheme), j, wave);
+    const double complex slope = MpmTie(ties, p->at, Fitted(p->scheme, MPM_GRAD), j, wave);
 
     along.alpha += creal(conj(value) * value) / ties->n;
     along.kappa += creal(conj(slope) * slope) / ties->n;
     along.mu += conj(value) * slope / ties->n;
-    if (IsCurved(p->scheme)) along.chi += conj(MpmTie(ties, p->at, CurveOf(p->scheme), j, wave)) * value / ties->n;
+    if (IsCurved(p->scheme))
+      along.chi += conj(MpmTie(ties, p->at, Fitted(p->scheme, MPM_CURVE), j, wave)) * value / ties->n;
     if (HasSlopes(p->scheme)) along.nu += conj(value) * MpmTie(ties, p->at, MPM_GRAD, j, wave) / ties->n;
     if (p->scheme->table->affine != MPM_NONE)
       along.theta += conj(MpmTie(ties, p->at, MPM_P2G_AFFINE, j, wave)) *
@@ -119,6 +117,11 @@ static Along AlongOf(const MpmPredictor *p, PetscInt axis, PetscReal beta)
   }
   if (along.alpha < NOTHING) along.alpha = 0;
   return along;
+}
+
+static void AllAlong(const MpmPredictor *p, const PetscReal beta[], Along along[MPM_MAX_DIM])
+{
+  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = AlongOf(p, a, beta[a]);
 }
 
 /*
@@ -141,11 +144,12 @@ static PetscBool HasSum(const MpmScheme *scheme)
              : PETSC_FALSE;
 }
 
-static PetscErrorCode Create(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
-                             const MpmFraction drift[], MpmPredictor *p)
+PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
+                                  const MpmFraction frozen[], MpmPredictor *p)
 {
-  PetscBool used[MPM_OP_KINDS] = {PETSC_FALSE};
-  PetscReal mean               = 0;
+  const MpmFraction rest[MPM_MAX_DIM] = {{.den = 1}, {.den = 1}, {.den = 1}}, *drift = frozen ? frozen : rest;
+  PetscBool         used[MPM_OP_KINDS] = {PETSC_FALSE};
+  PetscReal         mean               = 0;
 
   PetscFunctionBegin;
   *p                   = (MpmPredictor){.layout            = layout,
@@ -158,10 +162,10 @@ static PetscErrorCode Create(const MpmLayout *layout, const MpmScheme *scheme, P
                                           : "with a prestress in more dimensions usl has one, and others with move "
                                             "projected";
   if (p->why_not) PetscFunctionReturn(PETSC_SUCCESS);
-  p->problems              = Problems(p);
-  used[MPM_P2G]            = PETSC_TRUE;
-  used[GradientOf(scheme)] = PETSC_TRUE;
-  if (IsCurved(scheme)) used[CurveOf(scheme)] = PETSC_TRUE;
+  p->problems                    = Problems(p);
+  used[MPM_P2G]                  = PETSC_TRUE;
+  used[Fitted(scheme, MPM_GRAD)] = PETSC_TRUE;
+  if (IsCurved(scheme)) used[Fitted(scheme, MPM_CURVE)] = PETSC_TRUE;
   if (HasSlopes(scheme)) used[MPM_GRAD] = PETSC_TRUE;
   if (scheme->table->affine != MPM_NONE) used[MPM_P2G_AFFINE] = used[scheme->table->affine_map] = PETSC_TRUE;
   for (PetscInt a = 0; a < layout->dim; a++) PetscCall(MpmTiesCreate(layout, scheme, a, &drift[a], used, &p->ties[a]));
@@ -178,23 +182,6 @@ static PetscErrorCode Create(const MpmLayout *layout, const MpmScheme *scheme, P
     if (!p->why_not_corrected) p->why_not_corrected = p->why_not;
     if (!p->why_not_published) p->why_not_published = p->why_not;
   }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts, MpmPredictor *p)
-{
-  const MpmFraction rest[MPM_MAX_DIM] = {{.den = 1}, {.den = 1}, {.den = 1}};
-
-  PetscFunctionBegin;
-  PetscCall(Create(layout, scheme, drifts, rest, p));
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode MpmPredictorCreateFrozen(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction drift[],
-                                        MpmPredictor *p)
-{
-  PetscFunctionBegin;
-  PetscCall(Create(layout, scheme, PETSC_FALSE, drift, p));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -221,26 +208,6 @@ static double complex Slopes(const MpmPredictor *p, const Along along[], PetscIn
   return Others(p, along, a, b) * (a == b ? along[a].kappa : conj(along[a].mu) * along[b].mu);
 }
 
-/* K and its eigenvalues and vectors. In one dimension K is kappa, whatever Poisson's ratio is. */
-static void Stiffness(const MpmPredictor *p, const Along along[], PetscReal kappa[MPM_MAX_DIM],
-                      double complex vector[MPM_MAX_DIM][MPM_MAX_DIM])
-{
-  const PetscInt  dim = p->layout->dim;
-  const PetscReal nu = p->scheme->space.poisson, lambda = nu / (1 - nu), mu       = (1 - 2 * nu) / (2 * (1 - nu));
-  double complex  M[MPM_MAX_DIM][MPM_MAX_DIM], K[MPM_MAX_DIM][MPM_MAX_DIM], trace = 0;
-
-  kappa[0]     = along[0].kappa;
-  vector[0][0] = 1;
-  if (dim == 1) return;
-  for (PetscInt a = 0; a < dim; a++) {
-    for (PetscInt b = 0; b < dim; b++) M[a][b] = Slopes(p, along, a, b);
-    trace += M[a][a];
-  }
-  for (PetscInt a = 0; a < dim; a++)
-    for (PetscInt b = 0; b < dim; b++) K[a][b] = lambda * M[a][b] + mu * ((a == b ? trace : 0) + conj(M[a][b]));
-  MpmHermitianSolve(dim, K, kappa, vector);
-}
-
 /* The same of CURVE along a and b and of G2P. */
 static double complex Curves(const MpmPredictor *p, const Along along[], PetscInt a, PetscInt b)
 {
@@ -248,27 +215,51 @@ static double complex Curves(const MpmPredictor *p, const Along along[], PetscIn
 }
 
 /*
-   The eigenvalues of the symbol of DIV STRESS GRAD + sigma0 CURVE G2P, the forces of strains and of displacements with
-   a prestress. Source: docs/theory.md, section 9.
+   K, the symbol of DIV STRESS GRAD + sigma0 CURVE G2P: the forces of strains, and with a prestress of displacements.
+   Source: docs/theory.md, section 9.
 */
-static PetscBool Prestressed(const MpmPredictor *p, const Along along[], double complex value[MPM_MAX_DIM])
+static void Forces(const MpmPredictor *p, const Along along[], double complex K[MPM_MAX_DIM][MPM_MAX_DIM])
 {
   const PetscInt  dim   = p->layout->dim;
   const MpmSpace *space = &p->scheme->space;
-  double complex  K[MPM_MAX_DIM * MPM_MAX_DIM];
-  PetscBool       ok;
 
   for (PetscInt a = 0; a < dim; a++)
     for (PetscInt c = 0; c < dim; c++) {
-      double complex *sum = &K[c * dim + a];
-
-      *sum = 0;
+      K[a][c] = 0;
       for (PetscInt b = 0; b < dim; b++) {
-        for (PetscInt d = 0; d < dim; d++) *sum += MpmSpaceTangent(space, a, b, c, d) * Slopes(p, along, b, d);
-        *sum += MpmSpacePrestress(space, a, b) * Curves(p, along, b, c);
+        for (PetscInt d = 0; d < dim; d++) {
+          const PetscReal tangent = MpmSpaceTangent(space, a, b, c, d);
+
+          if (tangent != 0) K[a][c] += tangent * Slopes(p, along, b, d);
+        }
+        if (HasSlopes(p->scheme)) K[a][c] += MpmSpacePrestress(space, a, b) * Curves(p, along, b, c);
       }
     }
-  MpmSmallQr(dim, K, value, &ok);
+}
+
+/* The eigenvalues and vectors of K without a prestress. In one dimension K is kappa, whatever Poisson's ratio is. */
+static void Stiffness(const MpmPredictor *p, const Along along[], PetscReal kappa[MPM_MAX_DIM],
+                      double complex vector[MPM_MAX_DIM][MPM_MAX_DIM])
+{
+  double complex K[MPM_MAX_DIM][MPM_MAX_DIM];
+
+  kappa[0]     = along[0].kappa;
+  vector[0][0] = 1;
+  if (p->layout->dim == 1) return;
+  Forces(p, along, K);
+  MpmHermitianSolve(p->layout->dim, K, kappa, vector);
+}
+
+/* The eigenvalues of K with a prestress, in more dimensions. */
+static PetscBool Prestressed(const MpmPredictor *p, const Along along[], double complex value[MPM_MAX_DIM])
+{
+  const PetscInt dim = p->layout->dim;
+  double complex K[MPM_MAX_DIM][MPM_MAX_DIM], columns[MPM_MAX_DIM * MPM_MAX_DIM];
+  PetscBool      ok;
+
+  Forces(p, along, K);
+  for (PetscInt i = 0; i < dim * dim; i++) columns[i] = K[i % dim][i / dim];
+  MpmSmallQr(dim, columns, value, &ok);
   return ok;
 }
 
@@ -324,17 +315,17 @@ PetscInt MpmPredictorSymbols(const MpmPredictor *p, const PetscReal beta[], MpmC
 {
   Along along[MPM_MAX_DIM];
 
-  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = AlongOf(p, a, beta[a]);
+  AllAlong(p, beta, along);
   return Together(p, along, cell);
 }
 
 void MpmPredictorPolarisation(const MpmPredictor *p, const PetscReal beta[], PetscInt i, double complex vector[])
 {
-  Along          along[MPM_MAX_DIM];
+  Along          along[MPM_MAX_DIM] = {{0}};
   PetscReal      kappa[MPM_MAX_DIM];
   double complex vectors[MPM_MAX_DIM][MPM_MAX_DIM];
 
-  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = AlongOf(p, a, beta[a]);
+  AllAlong(p, beta, along);
   Stiffness(p, along, kappa, vectors);
   for (PetscInt a = 0; a < p->layout->dim; a++) vector[a] = vectors[i][a];
 }
@@ -360,7 +351,7 @@ PetscReal MpmPredictorCorrected(const MpmPredictor *p, PetscReal courant, const 
   Along along[MPM_MAX_DIM];
 
   if (p->why_not_corrected) return NAN;
-  for (PetscInt a = 0; a < p->layout->dim; a++) along[a] = AlongOf(p, a, beta[a]);
+  AllAlong(p, beta, along);
   return Largest(p, courant, along);
 }
 
@@ -430,7 +421,7 @@ PetscErrorCode MpmPredict(const MpmScene *scene, MpmPredictions *predictions)
 
   PetscFunctionBegin;
   *predictions = (MpmPredictions){.published = NAN, .corrected = NAN, .corrected_mode = NAN};
-  PetscCall(MpmPredictorCreate(layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
+  PetscCall(MpmPredictorCreate(layout, &scene->scheme, MpmSceneDrifts(scene), NULL, &predictor));
   for (PetscInt m = 0; !predictor.why_not_published && m < Phases(layout, phases); m++) {
     beta[0]                = MpmSymbolPhase(m, phases[0]);
     predictions->published = fmax(predictions->published, MpmPredictorPublished(&predictor, scene->step.courant, beta));

@@ -31,16 +31,12 @@ typedef struct {
   PetscInt         at;
 } MpmPredictor;
 
-/* Not collective. drifts says whether particles move; the closed forms do not cover that. */
-PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
-                                  MpmPredictor *predictor);
-
 /*
-   Not collective. The same of a frozen grid: one whose particles have moved by so many steps of a drift (at), which is
-   at rest for the closed forms.
+   Not collective. drifts says whether particles move; the closed forms do not cover that. frozen: the drift of a frozen
+   grid, whose particles have moved by so many steps of it (at), and which is at rest for the closed forms; NULL: none.
 */
-PetscErrorCode MpmPredictorCreateFrozen(const MpmLayout *layout, const MpmScheme *scheme, const MpmFraction drift[],
-                                        MpmPredictor *predictor);
+PetscErrorCode MpmPredictorCreate(const MpmLayout *layout, const MpmScheme *scheme, PetscBool drifts,
+                                  const MpmFraction frozen[], MpmPredictor *predictor);
 PetscErrorCode MpmPredictorDestroy(MpmPredictor *predictor);
 
 /*

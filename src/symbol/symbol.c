@@ -256,78 +256,48 @@ static PetscErrorCode FindDefectiveError(MPI_Comm comm, Reader *r, MpmSymbol *s[
 }
 
 /*
-   Finds the growth of one phase in n cases, the condition number of its amplification factor, and from it the error
-   that rounding makes. n is at most as many as the source takes together; r->exponent has the exponents of the
-   matrices.
+   Finds the growth of one phase in a case, the condition number of its amplification factor, and from it the error that
+   rounding makes. r->exponent[0] is the exponent of the matrix.
 */
-static PetscErrorCode LookAt(Reader *r, PetscInt n, const PetscInt which[], const PetscReal beta[],
-                             MpmSourceGrowth at[])
+static PetscErrorCode LookAt(Reader *r, PetscInt which, const PetscReal beta[], MpmSourceGrowth *at)
 {
-  PetscFunctionBegin;
-  PetscCall(Matrices(r, n, which, beta, PETSC_TRUE));
-  for (PetscInt k = 0; k < n; k++) {
-    PetscInt       largest;
-    double complex overlap = 0, leading;
+  PetscInt       largest;
+  double complex overlap = 0, leading;
 
-    PetscCall(Take(r, k));
-    PetscCall(Factors(r, PETSC_TRUE, &largest));
-    leading = r->eigen.value[largest];
-    for (PetscInt i = 0; i < r->eigen.n; i++)
-      overlap += conj(r->eigen.left[r->eigen.n * largest + i]) * r->eigen.right[r->eigen.n * largest + i];
-    at[k].growth    = MpmGrowthPerStep(cabs(leading), r->exponent[k], r->source->period);
-    at[k].condition = 1 / cabs(overlap);
-    at[k].relative  = at[k].condition * Rounding(r, k) / cabs(leading);
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-/* Finds the largest growth of a case, and the class of the first phase that has it. */
-static PetscErrorCode FindLargest(MPI_Comm comm, MpmSymbol *s, PetscInt *class)
-{
   PetscFunctionBegin;
-  *class    = s->classes;
-  s->growth = 0;
-  for (PetscInt i = 0; i < s->count; i++) s->growth = PetscMax(s->growth, s->per_phase[i]);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->growth, 1, MPIU_REAL, MPI_MAX, comm));
-  for (PetscInt i = s->count - 1; i >= 0; i--)
-    if (s->per_phase[i] >= s->growth * (1 - SHARES_MAXIMUM)) *class = s->first + i;
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, class, 1, MPIU_INT, MPI_MIN, comm));
-  MpmSymbolBeta(s, MpmSymbolPhaseOfClass(s, *class), s->beta_at_max);
+  PetscCall(Matrices(r, 1, &which, beta, PETSC_TRUE));
+  PetscCall(Take(r, 0));
+  PetscCall(Factors(r, PETSC_TRUE, &largest));
+  leading = r->eigen.value[largest];
+  for (PetscInt i = 0; i < r->eigen.n; i++)
+    overlap += conj(r->eigen.left[r->eigen.n * largest + i]) * r->eigen.right[r->eigen.n * largest + i];
+  at->growth    = MpmGrowthPerStep(cabs(leading), r->exponent[0], r->source->period);
+  at->condition = 1 / cabs(overlap);
+  at->relative  = at->condition * Rounding(r, 0) / cabs(leading);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 /*
-   Finds the largest growths and the condition numbers of their amplification factors: cases with the same phase
-   together.
+   Finds the largest growth of a case, the first phase that has it, and the condition number of its amplification
+   factor.
 */
-static PetscErrorCode FindLargests(MPI_Comm comm, Reader *r, MpmSymbol *s[])
+static PetscErrorCode FindLargest(MPI_Comm comm, Reader *r, PetscInt which, MpmSymbol *s)
 {
-  const PetscInt cases = r->source->cases;
-  PetscInt *class;
-  MpmSourceGrowth *at;
+  PetscInt class = s->classes;
+  MpmSourceGrowth at;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(cases, &class, r->source->together, &at));
-  for (PetscInt c = 0; c < cases; c++) PetscCall(FindLargest(comm, s[c], &class[c]));
-  for (PetscInt c = 0; c < cases; c++) {
-    const PetscInt of   = class[c];
-    PetscInt       some = 0;
-
-    for (PetscInt other = c; other < cases && some < r->source->together && of != MPM_NONE; other++) {
-      if (class[other] != of) continue;
-      r->which[some++] = other;
-      class[other]     = MPM_NONE;
-    }
-    if (some) PetscCall(LookAt(r, some, r->which, s[c]->beta_at_max, at));
-    for (PetscInt k = 0; k < some; k++) {
-      MpmSymbol *found = s[r->which[k]];
-
-      found->exponent    = r->exponent[k];
-      found->condition   = at[k].condition;
-      found->uncertainty = MpmUncertaintyOf(found->growth, at[k].relative, found->period);
-    }
-  }
-  PetscCall(PetscFree2(class, at));
+  s->growth = 0;
+  for (PetscInt i = 0; i < s->count; i++) s->growth = PetscMax(s->growth, s->per_phase[i]);
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &s->growth, 1, MPIU_REAL, MPI_MAX, comm));
+  for (PetscInt i = s->count - 1; i >= 0; i--)
+    if (s->per_phase[i] >= s->growth * (1 - SHARES_MAXIMUM)) class = s->first + i;
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &class, 1, MPIU_INT, MPI_MIN, comm));
+  MpmSymbolBeta(s, MpmSymbolPhaseOfClass(s, class), s->beta_at_max);
+  PetscCall(LookAt(r, which, s->beta_at_max, &at));
+  s->exponent    = r->exponent[0];
+  s->condition   = at.condition;
+  s->uncertainty = MpmUncertaintyOf(s->growth, at.relative, s->period);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -392,7 +362,7 @@ PetscErrorCode MpmSymbolFromSource(MPI_Comm comm, const MpmSource *source, const
   for (PetscInt c = 0; c < source->cases; c++) PetscCall(Create(comm, source, wish, &symbols[c]));
   PetscCall(ReaderCreate(source, &reader));
   PetscCall(VisitPhases(&reader, symbols));
-  PetscCall(FindLargests(comm, &reader, symbols));
+  for (PetscInt c = 0; c < source->cases; c++) PetscCall(FindLargest(comm, &reader, c, symbols[c]));
   PetscCall(FindDefectiveError(comm, &reader, symbols));
   PetscCall(ReaderDestroy(&reader));
   for (PetscInt c = 0; c < source->cases; c++) symbols[c]->seconds = MPI_Wtime() - begin;
@@ -401,12 +371,11 @@ PetscErrorCode MpmSymbolFromSource(MPI_Comm comm, const MpmSource *source, const
 
 PetscErrorCode MpmSourceGrowthAt(const MpmSource *source, const PetscReal beta[], MpmSourceGrowth *at)
 {
-  const PetscInt first = 0;
-  Reader         reader;
+  Reader reader;
 
   PetscFunctionBegin;
   PetscCall(ReaderCreate(source, &reader));
-  PetscCall(LookAt(&reader, 1, &first, beta, at));
+  PetscCall(LookAt(&reader, 0, beta, at));
   PetscCall(ReaderDestroy(&reader));
   PetscFunctionReturn(PETSC_SUCCESS);
 }

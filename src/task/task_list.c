@@ -303,7 +303,8 @@ static PetscErrorCode ListOneFormulation(const char name[])
 
   PetscFunctionBegin;
   if (!formulation) REFUSE_NAME("formulation", name, MpmFormulations);
-  PetscCall(MpmWrittenFromFormulation(formulation, NULL, NULL, &written));
+  PetscCall(PetscNew(&written));
+  PetscCall(MpmWrittenAddFormulation(formulation, NULL, NULL, written));
   PetscCall(PrintWritten(written));
   PetscCall(MpmTableCreate(formulation, MpmTransferFind("flip"), &numbers, &space, &table));
   PetscCall(MpmReportNodal(table, "# in one dimension with flip, "));

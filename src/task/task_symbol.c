@@ -342,7 +342,7 @@ static PetscErrorCode OfScene(const MpmScene *scene, const MpmRequest *request, 
   PetscCall(PetscArraycpy(wish.phases, request->phases, scene->layout.dim));
   PetscCall(MpmSymbolCreate(PETSC_COMM_WORLD, &scene->layout, &scene->scheme, &scene->step, &wish, &a.symbol));
   PetscCall(MpmPredict(scene, &a.predictions));
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &a.predictor));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), NULL, &a.predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &a.predictor, a.symbol, &a.comparison));
   PetscCall(Find(scene, request, &a));
   if (request->damping) PetscCall(MpmDampingCreate(scene, request, &a.damping));

@@ -23,7 +23,7 @@ static PetscErrorCode ClosedForm(const char options[], const MpmScene *scene, co
   MpmPredictor predictor;
 
   PetscFunctionBegin;
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, PETSC_FALSE, &predictor));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, PETSC_FALSE, NULL, &predictor));
   for (PetscInt i = 0; i < DIVISORS * d->nwaves && !predictor.why_not && !predictor.why_not_corrected; i++) {
     const PetscReal k = d->courant[i / d->nwaves], beta = 2 * PETSC_PI / d->wavelength[i % d->nwaves];
     const PetscReal growth = exp(-d->decay[i] * k), corrected = MpmPredictorCorrected(&predictor, k, &beta);

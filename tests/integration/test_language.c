@@ -128,7 +128,8 @@ static PetscErrorCode CheckThereAndBack(const MpmFormulation *f, const MpmScheme
   for (PetscInt t = 0; MpmTransfers[t]; t++) {
     if (numbers->rk_on == MPM_RK_PARTICLES && MpmTransfers[t]->filter) continue;
     if (*both && (MpmTransfers[t]->same_as || MpmTransfers[t]->sharpen)) continue; /* no step, or too many registers */
-    PetscCall(MpmWrittenFromFormulation(f, numbers, MpmTransfers[t], &written));
+    PetscCall(PetscNew(&written));
+    PetscCall(MpmWrittenAddFormulation(f, numbers, MpmTransfers[t], written));
     written->name.text[0] = 'w';
     PetscCall(MpmWrittenYaml(written, &yaml));
     for (PetscInt dim = 1; dim <= 3; dim++)
@@ -194,7 +195,8 @@ static PetscErrorCode CheckTraits(const MpmFormulation *f)
   char                 *yaml;
 
   PetscFunctionBegin;
-  PetscCall(MpmWrittenFromFormulation(f, NULL, NULL, &written));
+  PetscCall(PetscNew(&written));
+  PetscCall(MpmWrittenAddFormulation(f, NULL, NULL, written));
   PetscCall(MpmWrittenYaml(written, &yaml));
   PetscCall(SceneOf(yaml, "cells: 8\n", &scene));
   back = scene->scheme.formulation;

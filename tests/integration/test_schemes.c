@@ -52,7 +52,7 @@ static PetscErrorCode Symbols(const char options[], const MpmOperator *op)
   PetscCall(Growth(op, &growth));
   /* eigenvalues at 1 may be defective, in blocks of up to three, and periods have several steps */
   CHECK_NEAR(growth, symbol->growth, (fabs(symbol->growth - 1) < 1e-4 ? 3e-5 : 1e-8) * symbol->growth);
-  PetscCall(MpmPredictorCreate(op->layout, op->scheme, MpmStepDrifts(&op->step), &predictor));
+  PetscCall(MpmPredictorCreate(op->layout, op->scheme, MpmStepDrifts(&op->step), NULL, &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   CHECK(predictor.why_not || comparison.corrected <= 1e-7 * symbol->growth, "%s: corrected off by %g at %g", options,
         comparison.corrected, comparison.corrected_beta[0]);

@@ -25,7 +25,7 @@ static PetscErrorCode CheckClosedForms(const char formulation[], int n)
   PetscCall(CheckScene(options, &scene));
   PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, scene->layout.grid[0].cells, PETSC_FALSE, &symbol));
   PetscCall(MpmPredict(scene, &predictions));
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), NULL, &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   CHECK(comparison.corrected <= SPLIT * symbol->growth, "%s: off by %.3g at beta %g", options, comparison.corrected,
         comparison.corrected_beta[0]);

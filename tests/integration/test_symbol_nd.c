@@ -164,7 +164,7 @@ static PetscErrorCode CheckProblems(int n)
   PetscFunctionBegin;
   PetscCall(Random(n, sizeof options, options));
   PetscCall(WaveCreate(options, &w));
-  PetscCall(MpmPredictorCreate(&w.scene->layout, &w.scene->scheme, PETSC_FALSE, &p));
+  PetscCall(MpmPredictorCreate(&w.scene->layout, &w.scene->scheme, PETSC_FALSE, NULL, &p));
   CHECK(!p.why_not_corrected, "%s: %s", options, p.why_not_corrected);
   for (int a = 0; a < MPM_MAX_DIM; a++) beta[a] = 2 * PETSC_PI * MpmHash(n, 30 + a);
   PetscCall(FactorsAt(&w, w.scene->step.courant, beta, PETSC_FALSE));
@@ -196,7 +196,7 @@ static PetscErrorCode CheckLargest(int n)
   PetscCall(CheckScene(options, &scene));
   PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, 4, PETSC_FALSE, &symbol));
   PetscCall(MpmPredict(scene, &predictions));
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, PETSC_FALSE, &predictor));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, PETSC_FALSE, NULL, &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, &comparison));
   CHECK(comparison.corrected <= SPLIT * symbol->growth, "%s: off by %.3g at beta %g %g %g", options,
         comparison.corrected, comparison.corrected_beta[0], comparison.corrected_beta[1], comparison.corrected_beta[2]);
@@ -230,7 +230,7 @@ static PetscErrorCode CheckPolarisation(const char options[], const PetscReal be
 
   PetscFunctionBegin;
   PetscCall(WaveCreate(options, &w));
-  PetscCall(MpmPredictorCreate(&w.scene->layout, &w.scene->scheme, PETSC_FALSE, &p));
+  PetscCall(MpmPredictorCreate(&w.scene->layout, &w.scene->scheme, PETSC_FALSE, NULL, &p));
   PetscCall(FactorsAt(&w, w.scene->step.courant, beta, PETSC_TRUE));
   for (PetscInt i = 0, problems = MpmPredictorSymbols(&p, beta, cell); i < problems; i++) {
     const PetscReal size = w.scene->scheme.formulation->corrected(&cell[i], w.scene->step.courant);
@@ -266,7 +266,7 @@ static PetscErrorCode CheckLimit(const char options[], PetscInt phases, PetscRea
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, PETSC_FALSE, &p));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, PETSC_FALSE, NULL, &p));
   for (PetscInt a = 0; a < scene->layout.dim; a++) all *= phases;
   for (PetscInt m = 1; m < all; m++) {
     PetscReal beta[MPM_MAX_DIM];

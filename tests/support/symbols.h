@@ -53,7 +53,7 @@ static inline PetscErrorCode CompareClosedForm(const char options[], PetscInt ph
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
   PetscCall(CheckSymbol(PETSC_COMM_WORLD, scene, phases ? phases : scene->layout.grid[0].cells, PETSC_FALSE, &symbol));
-  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), &predictor));
+  PetscCall(MpmPredictorCreate(&scene->layout, &scene->scheme, MpmSceneDrifts(scene), NULL, &predictor));
   PetscCall(MpmPredictCompare(PETSC_COMM_WORLD, &predictor, symbol, comparison));
   *growth = symbol->growth;
   PetscCall(MpmPredictorDestroy(&predictor));

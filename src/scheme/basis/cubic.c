@@ -10,27 +10,6 @@
 #include "scheme/basis/nodes.h"
 #include "scheme/basis/splines.h"
 
-static inline PetscInt First(PetscReal xi)
-{
-  (void)xi;
-  return -1;
-}
-
-static inline void Values(PetscReal xi, PetscReal phi[NODES])
-{
-  CubicValues(xi, phi);
-}
-
-static inline void Slopes(PetscReal xi, PetscReal slope[NODES])
-{
-  CubicSlopes(xi, slope);
-}
-
-static inline void Curves(PetscReal xi, PetscReal curve[NODES])
-{
-  CubicCurves(xi, curve);
-}
-
 const MpmBasis MpmCubic = {.name        = "cubic",
                            .summary     = "cubic B-splines, their middles on the nodes",
                            .reference   = "Steffen, Kirby and Berzins 2008",

@@ -3,22 +3,6 @@
 #include "scheme/basis/modified.h"
 #include "scheme/basis/splines.h"
 
-static inline PetscInt First(PetscReal xi)
-{
-  (void)xi;
-  return -1;
-}
-
-static inline void Values(PetscReal xi, PetscReal phi[NODES])
-{
-  CubicValues(xi, phi);
-}
-
-static inline void Slopes(PetscReal xi, PetscReal slope[NODES])
-{
-  CubicSlopes(xi, slope);
-}
-
 const MpmBasis MpmCubicModified = {.name        = "cubic",
                                    .summary     = "cubic B-splines, modified next to walls",
                                    .reference   = "Steffen, Kirby and Berzins 2008",

@@ -8,25 +8,10 @@
    sums follow from B_0 = (1 - x)^3 in the first cell, B_1 = (2 - x)^3 / 4 in the second, and partition of unity.
 */
 #define NODES 4
+#define KNOTS_ON_NODES
 #define OFFSET (-1)
 #include "scheme/basis/nodes.h"
 #include "scheme/basis/splines.h"
-
-static inline PetscInt First(PetscReal xi)
-{
-  (void)xi;
-  return 0;
-}
-
-static inline void Values(PetscReal xi, PetscReal phi[NODES])
-{
-  CubicValues(xi, phi);
-}
-
-static inline void Slopes(PetscReal xi, PetscReal slope[NODES])
-{
-  CubicSlopes(xi, slope);
-}
 
 static inline void Alter(PetscInt before, PetscInt step, PetscReal w[])
 {

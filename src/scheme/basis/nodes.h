@@ -155,20 +155,14 @@ INLINE void WeightsOfEach(Weights weights, const MpmBlock *b, PetscInt stride, P
   }
 }
 
-static void PhiWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
-{
-  WeightsOfEach(Phi, b, stride, weight);
-}
-
-static void GradientWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
-{
-  WeightsOfEach(Gradient, b, stride, weight);
-}
-
-static void MomentWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
-{
-  WeightsOfEach(Moment, b, stride, weight);
-}
+#define DEFINE_WEIGHTS(OfBlock, OfParticle)                                                                            \
+  static void OfBlock(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)                                  \
+  {                                                                                                                    \
+    WeightsOfEach(OfParticle, b, stride, weight);                                                                      \
+  }
+DEFINE_WEIGHTS(PhiWeights, Phi)
+DEFINE_WEIGHTS(GradientWeights, Gradient)
+DEFINE_WEIGHTS(MomentWeights, Moment)
 
 static void FirstNodes(PetscInt n, const PetscInt *restrict cell, const PetscReal *restrict xi,
                        PetscInt *restrict first)
@@ -178,24 +172,14 @@ static void FirstNodes(PetscInt n, const PetscInt *restrict cell, const PetscRea
 
 #ifndef FITTED_WEIGHTS
 #define FITTED_WEIGHTS FittedWeights
-static void FittedWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
-{
-  WeightsOfEach(Fitted, b, stride, weight);
-}
+DEFINE_WEIGHTS(FittedWeights, Fitted)
 #endif
 
 #ifdef NO_CURVES
 #define CURVE_WEIGHTS
 #else
-static void CurveWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
-{
-  WeightsOfEach(Curve, b, stride, weight);
-}
-
-static void FittedSlopeWeights(const MpmBlock *b, PetscInt stride, PetscReal *restrict weight)
-{
-  WeightsOfEach(FittedSlopes, b, stride, weight);
-}
+DEFINE_WEIGHTS(CurveWeights, Curve)
+DEFINE_WEIGHTS(FittedSlopeWeights, FittedSlopes)
 #define CURVE_WEIGHTS [MPM_CURVE] = CurveWeights, [MPM_CURVE_MLS] = FittedSlopeWeights,
 #endif
 

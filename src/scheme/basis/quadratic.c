@@ -4,34 +4,11 @@
      abs(d) < 1/2          3/4 - d^2
      abs(d) < 3/2          (3/2 - abs(d))^2 / 2
 
-   A particle has weights at its nearest node, which is its cell's left or right one, and at that node's neighbours.
-
    Source: Steffen, Kirby and Berzins 2008.
 */
 #define NODES 3
 #include "scheme/basis/nodes.h"
 #include "scheme/basis/splines.h"
-
-static inline PetscInt First(PetscReal xi)
-{
-  return xi < 0.5 ? -1 : 0;
-}
-
-static inline void Values(PetscReal xi, PetscReal phi[NODES])
-{
-  QuadraticValues(xi < 0.5 ? xi : xi - 1, phi);
-}
-
-static inline void Slopes(PetscReal xi, PetscReal slope[NODES])
-{
-  QuadraticSlopes(xi < 0.5 ? xi : xi - 1, slope);
-}
-
-static inline void Curves(PetscReal xi, PetscReal curve[NODES])
-{
-  (void)xi;
-  QuadraticCurves(curve);
-}
 
 const MpmBasis MpmQuadratic = {.name        = "quadratic",
                                .summary     = "quadratic B-splines, their middles on the nodes",

@@ -8,25 +8,10 @@
    (1 - x)^2 and B_1 = 2 x - 3 x^2 / 2 in the first cell.
 */
 #define NODES 3
+#define KNOTS_ON_NODES
 #define OFFSET (-0.5)
 #include "scheme/basis/nodes.h"
 #include "scheme/basis/splines.h"
-
-static inline PetscInt First(PetscReal xi)
-{
-  (void)xi;
-  return 0;
-}
-
-static inline void Values(PetscReal xi, PetscReal phi[NODES])
-{
-  QuadraticValues(xi - 0.5, phi);
-}
-
-static inline void Slopes(PetscReal xi, PetscReal slope[NODES])
-{
-  QuadraticSlopes(xi - 0.5, slope);
-}
 
 static inline void Alter(PetscInt before, PetscInt step, PetscReal w[])
 {

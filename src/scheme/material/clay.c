@@ -40,8 +40,7 @@ static Flow FlowOf(const MpmMaterialNumbers *m, const PetscReal e[3], PetscReal 
                        .tr        = tr,
                        .start     = m->plastic[MPM_YIELD] * exp(m->plastic[MPM_HARDENING] * q)};
 
-  for (PetscInt a = 0; a < 3; a++) dev[a] = e[a] - tr / 3;
-  f.d = sqrt(dev[0] * dev[0] + dev[1] * dev[1] + dev[2] * dev[2]);
+  f.d = MpmDeviator(e, dev);
   return f;
 }
 

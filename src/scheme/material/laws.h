@@ -35,8 +35,6 @@ static inline void VolumeAlone(const MpmMaterialNumbers *m, PetscInt n, PetscRea
   EACH (c, TENSOR(dim)) at[c] = (arrays)[c] + begin;
 #define LOAD(to, at)                                                                                                   \
   EACH (c, TENSOR(dim)) to[c] = at[c][p];
-#define STORE(at, from)                                                                                                \
-  EACH (c, SYMMETRIC(dim)) at[c][p] = from[c];
 
 #define EACH_PARTICLE INDEPENDENT for (PetscInt p = 0; p < count; p++)
 #define FOR_BLOCKS                                                                                                     \
@@ -57,34 +55,13 @@ INLINE void VolumeBlock(const MpmMaterialNumbers *m, LawOfVolume of_volume, Pets
   of_volume(m, count, g);
 }
 
-INLINE void StressLoop(const PetscInt dim, StressAt at, LawOfVolume of_volume, const MpmMaterialNumbers *m, PetscInt n,
-                       const PetscReal *const F[], PetscReal *const tau[])
+/* Sets the stress of n particles, its differential or their energy: of stress, tangent and energy two are NULL. */
+INLINE void LawLoop(const PetscInt dim, StressAt stress, TangentAt tangent, EnergyAt energy, LawOfVolume of_volume,
+                    const MpmMaterialNumbers *m, PetscInt n, const PetscReal *const F[], const PetscReal *const dF[],
+                    PetscReal *const out[])
 {
   const MpmMaterialNumbers material = *m;
-
-  FOR_BLOCKS
-  {
-    const PetscReal *from[9];
-    PetscReal       *to[6], g[MPM_LAW_BLOCK] = {0};
-
-    FROM(from, F)
-    EACH (c, SYMMETRIC(dim)) to[c] = tau[c] + begin;
-    VolumeBlock(&material, of_volume, dim, count, from, g);
-    EACH_PARTICLE
-    {
-      PetscReal f[9], t[6];
-
-      LOAD(f, from)
-      at(&material, dim, f, g[p], t);
-      STORE(to, t)
-    }
-  }
-}
-
-INLINE void TangentLoop(const PetscInt dim, TangentAt at, LawOfVolume of_volume, const MpmMaterialNumbers *m,
-                        PetscInt n, const PetscReal *const F[], const PetscReal *const dF[], PetscReal *const dtau[])
-{
-  const MpmMaterialNumbers material = *m;
+  const PetscInt           numbers  = energy ? 1 : SYMMETRIC(dim);
 
   FOR_BLOCKS
   {
@@ -92,8 +69,8 @@ INLINE void TangentLoop(const PetscInt dim, TangentAt at, LawOfVolume of_volume,
     PetscReal       *to[6], g[MPM_LAW_BLOCK] = {0};
 
     FROM(from, F)
-    FROM(along, dF)
-    EACH (c, SYMMETRIC(dim)) to[c] = dtau[c] + begin;
+    FROM(along, tangent ? dF : F)
+    EACH (c, numbers) to[c] = out[c] + begin;
     VolumeBlock(&material, of_volume, dim, count, from, g);
     EACH_PARTICLE
     {
@@ -101,30 +78,10 @@ INLINE void TangentLoop(const PetscInt dim, TangentAt at, LawOfVolume of_volume,
 
       LOAD(f, from)
       LOAD(df, along)
-      at(&material, dim, f, g[p], df, t);
-      STORE(to, t)
-    }
-  }
-}
-
-INLINE void EnergyLoop(const PetscInt dim, EnergyAt at, LawOfVolume of_volume, const MpmMaterialNumbers *m, PetscInt n,
-                       const PetscReal *const F[], PetscReal psi[])
-{
-  const MpmMaterialNumbers material = *m;
-
-  FOR_BLOCKS
-  {
-    const PetscReal *from[9];
-    PetscReal        g[MPM_LAW_BLOCK] = {0};
-
-    FROM(from, F)
-    VolumeBlock(&material, of_volume, dim, count, from, g);
-    EACH_PARTICLE
-    {
-      PetscReal f[9];
-
-      LOAD(f, from)
-      psi[begin + p] = at(&material, dim, f, g[p]);
+      if (stress) stress(&material, dim, f, g[p], t);
+      if (tangent) tangent(&material, dim, f, g[p], df, t);
+      if (energy) t[0] = energy(&material, dim, f, g[p]);
+      EACH (c, numbers) to[c][p] = t[c];
     }
   }
 }
@@ -150,19 +107,19 @@ INLINE void EnergyLoop(const PetscInt dim, EnergyAt at, LawOfVolume of_volume, c
   static void Stress(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],                \
                      PetscReal *const tau[])                                                                           \
   {                                                                                                                    \
-    EACH_DIM(StressLoop, stress_at, stress_g, m, n, F, tau)                                                            \
+    EACH_DIM(LawLoop, stress_at, NULL, NULL, stress_g, m, n, F, NULL, tau)                                             \
   }                                                                                                                    \
                                                                                                                        \
   static void Tangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],               \
                       const PetscReal *const dF[], PetscReal *const dtau[])                                            \
   {                                                                                                                    \
-    EACH_DIM(TangentLoop, tangent_at, tangent_g, m, n, F, dF, dtau)                                                    \
+    EACH_DIM(LawLoop, NULL, tangent_at, NULL, tangent_g, m, n, F, dF, dtau)                                            \
   }                                                                                                                    \
                                                                                                                        \
   static void Energy(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, const PetscReal *const F[],                \
                      PetscReal psi[])                                                                                  \
   {                                                                                                                    \
-    EACH_DIM(EnergyLoop, energy_at, energy_g, m, n, F, psi)                                                            \
+    EACH_DIM(LawLoop, NULL, NULL, energy_at, energy_g, m, n, F, NULL, (PetscReal *const[]){psi})                       \
   }
 
 #define LAW_FUNCTIONS .stress = Stress, .tangent = Tangent, .energy = Energy, .modulus = Modulus

@@ -28,24 +28,17 @@ static PetscReal YieldStress(const MpmMaterialNumbers *m, PetscReal q, PetscReal
   return k[MPM_YIELD] + k[MPM_HARDENING] * q + k[MPM_SATURATION] - rest;
 }
 
-/* dev e, and its norm */
-static PetscReal Deviator(const PetscReal e[3], PetscReal dev[3])
-{
-  for (PetscInt a = 0; a < 3; a++) dev[a] = e[a] - (e[0] + e[1] + e[2]) / 3;
-  return sqrt(dev[0] * dev[0] + dev[1] * dev[1] + dev[2] * dev[2]);
-}
-
 static PetscReal Yield(const MpmMaterialNumbers *m, const PetscReal e[3], PetscReal q)
 {
   PetscReal dev[3], slope;
 
-  return 2 * m->mu * Deviator(e, dev) - sqrt(2. / 3) * YieldStress(m, q, &slope);
+  return 2 * m->mu * MpmDeviator(e, dev) - sqrt(2. / 3) * YieldStress(m, q, &slope);
 }
 
 static void Back(const MpmMaterialNumbers *m, PetscReal e[3], PetscReal *q, PetscReal slope[4][4])
 {
   const PetscReal root = sqrt(2. / 3), start = *q;
-  PetscReal       n[3], norm = Deviator(e, n), g = 0, change = 1, hardening, by[4];
+  PetscReal       n[3], norm = MpmDeviator(e, n), g = 0, change = 1, hardening, by[4];
 
   for (PetscInt i = 0; i < NEWTON_STEPS && change > 1e-16 * norm; i++) {
     const PetscReal Y = YieldStress(m, start + root * g, &hardening);

@@ -6,6 +6,7 @@
 */
 #pragma once
 #include <mpmstab/material.h>
+#include <math.h>
 
 #define MPM_ON_SURFACE 1e-11 /* a trial value that is so near to the yield surface is on it */
 
@@ -20,6 +21,13 @@ void      MpmPlasticReturn(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n
 PetscInt  MpmPlasticReturnTangent(const MpmMaterialNumbers *m, PetscInt dim, PetscInt n, MpmBranch branch,
                                   const PetscReal *const F[], const PetscReal *const dF[], PetscReal *const after[]);
 PetscReal MpmPlasticModulus(const MpmMaterialNumbers *m, PetscInt dim, const PetscReal F[]);
+
+/* dev e, and its norm */
+static inline PetscReal MpmDeviator(const PetscReal e[3], PetscReal dev[3])
+{
+  for (PetscInt a = 0; a < 3; a++) dev[a] = e[a] - (e[0] + e[1] + e[2]) / 3;
+  return sqrt(dev[0] * dev[0] + dev[1] * dev[1] + dev[2] * dev[2]);
+}
 
 /*
    Not collective. Hencky's solid, linear in the logarithms of the stretches: its stresses, their slopes, and its

@@ -19,12 +19,12 @@
 static PetscReal Cone(const MpmMaterialNumbers *m, const PetscReal e[3], PetscReal q, PetscReal n[3], PetscReal *d,
                       PetscReal *tr, PetscReal *k)
 {
-  const PetscReal sine = sin(m->plastic[MPM_FRICTION_ANGLE] * M_PI / 180), mean = (e[0] + e[1] + e[2]) / 3;
+  const PetscReal sine = sin(m->plastic[MPM_FRICTION_ANGLE] * M_PI / 180);
 
   *k  = sqrt(2. / 3) * 2 * sine / (3 - sine) * (3 * m->lambda + 2 * m->mu) / (2 * m->mu);
-  *tr = 3 * mean + q;
-  *d  = sqrt(PetscSqr(e[0] - mean) + PetscSqr(e[1] - mean) + PetscSqr(e[2] - mean));
-  for (PetscInt a = 0; a < 3; a++) n[a] = *d > 0 ? (e[a] - mean) / *d : 0;
+  *tr = e[0] + e[1] + e[2] + q;
+  *d  = MpmDeviator(e, n);
+  for (PetscInt a = 0; a < 3; a++) n[a] = *d > 0 ? n[a] / *d : 0;
   return *d + *k * *tr;
 }
 
