@@ -311,12 +311,12 @@ static PetscErrorCode ConfirmBelow(const MpmCriticalCase *of, PetscBool alone, M
   PetscBool grows;
 
   PetscFunctionBegin;
+  if (c->closed == 0) PetscFunctionReturn(PETSC_SUCCESS); /* there is nothing below it */
   if (!alone) {
     PetscCall(GrowsAt(of, PetscMin(c->stable_at, MPM_CRITICAL_TO), of->tolerance, c, &grows));
     if (grows) c->disputed = PETSC_TRUE;
   }
-  if (of->layout->dim > 1 || c->closed == 0 || !(c->closed < c->stable_at * (1 - BEYOND)))
-    PetscFunctionReturn(PETSC_SUCCESS);
+  if (of->layout->dim > 1 || !(c->closed < c->stable_at * (1 - BEYOND))) PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(GrowsAt(of, isinf(c->stable_at) ? 2 * c->closed : (c->closed + c->stable_at) / 2, GROWS, c, &grows));
   if (!grows) c->disputed = PETSC_TRUE;
   PetscFunctionReturn(PETSC_SUCCESS);

@@ -10,7 +10,7 @@
    place, chi times the largest sum_i (phi_i')^2 / phi_i of a direction. docs/theory.md, section 4.
 */
 #include "analysis/lone.h"
-#include "analysis/neighbourhoods.h"
+#include "analysis/neighbourhood.h"
 #include "analysis/search.h"
 #include "linalg/small_eigen.h"
 #include "scene/layout.h"

@@ -18,15 +18,6 @@ PetscBool MpmNeighbourhoodsWanted(const MpmRequest *request)
   return PETSC_FALSE;
 }
 
-MpmNeighbourhood MpmNeighbourhoodOf(MpmNeighbourhoodKind kind)
-{
-  MpmNeighbourhood one = {.kind = kind, .courant = NAN, .growth = NAN, .verdict = MPM_UNDECIDED};
-
-  for (PetscInt a = 0; a < MPM_MAX_DIM; a++) one.place[a] = one.beta[a] = NAN;
-  for (PetscInt q = 0; q < MPM_QUANTILES; q++) one.quantile[q] = NAN;
-  return one;
-}
-
 MpmNeighbourhood MpmNeighbourhoodOfCritical(const MpmCritical *critical)
 {
   MpmNeighbourhood one = MpmNeighbourhoodOf(MPM_IN_BULK);

@@ -1,6 +1,6 @@
 /* Chooses the steps of a run by the fastest waves at any particle. */
 #include "analysis/pace.h"
-#include "analysis/neighbourhoods.h"
+#include "analysis/neighbourhood.h"
 #include "base/text.h"
 #include "march/march_private.h"
 #include "march/finite.h"

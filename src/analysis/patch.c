@@ -11,7 +11,7 @@
    without a search. That this is the limit is then checked by growth at smaller and larger k. Where that does not bear
    it out, as for a gas, growth decides at a row of k and by bisection.
 */
-#include "analysis/neighbourhoods.h"
+#include "analysis/neighbourhood.h"
 #include "analysis/search.h"
 #include "analysis/patch_search.h"
 #include "base/farm.h"

@@ -1,7 +1,7 @@
 /* Random layouts in a small periodic box: growth, limits, and layouts that are made worse step by step. */
 #include "analysis/cluster.h"
 #include "analysis/lone.h"
-#include "analysis/neighbourhoods.h"
+#include "analysis/neighbourhood.h"
 #include "analysis/search.h"
 #include "base/farm.h"
 #include "base/textfile.h"

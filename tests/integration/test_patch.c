@@ -4,7 +4,7 @@
 */
 #include "check.h"
 #include "analysis/critical_parts.h"
-#include "analysis/neighbourhoods.h"
+#include "analysis/neighbourhood.h"
 #include "analysis/patch_search.h"
 #include "linalg/dense.h"
 #include <mpmstab/operator.h>

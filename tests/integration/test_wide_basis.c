@@ -5,7 +5,7 @@
 */
 #include "scheme/basis/nodes.h"
 #include "analysis/lone.h"
-#include "analysis/neighbourhoods.h"
+#include "analysis/neighbourhood.h"
 #include "analysis/spectrum.h"
 #include "linalg/dense.h"
 #include "operators.h"
