@@ -73,6 +73,7 @@ PetscErrorCode MpmPatchCrossing(MpmPatchLattice *l, const MpmPatchSpot *spot, Pe
   PetscFunctionBegin;
   PetscCall(MpmPatchCluster(l, spot, &cluster));
   PetscCall(MpmClusterCrossing(&cluster, courant));
+  PetscCheck(!isnan(*courant), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK found no eigenvalues");
   PetscCall(MpmClusterDestroy(&cluster));
   l->count++;
   PetscFunctionReturn(PETSC_SUCCESS);
@@ -86,6 +87,7 @@ PetscErrorCode MpmPatchGrowth(MpmPatchLattice *l, const MpmPatchSpot *spot, Pets
   PetscFunctionBegin;
   PetscCall(MpmPatchCluster(l, spot, &cluster));
   PetscCall(MpmClusterGrowth(&cluster, courant, growth, rounding));
+  PetscCheck(!isnan(*growth), PETSC_COMM_SELF, PETSC_ERR_LIB, "LAPACK found no eigenvalues");
   PetscCall(MpmClusterDestroy(&cluster));
   l->count++;
   PetscFunctionReturn(PETSC_SUCCESS);

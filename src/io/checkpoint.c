@@ -5,6 +5,7 @@
 #include "io/checkpoint.h"
 #include "io/checkpoint_file.h"
 #include "base/hdf5.h"
+#include "base/memory.h"
 #include "march/diagnostics.h"
 #include <mpmstab/errors.h>
 #include "scene/fields.h"
@@ -254,6 +255,8 @@ static PetscErrorCode All(MpmHdf5 *s, const char path[], const char name[], hid_
   PetscFunctionBegin;
   PetscCall(Require(s, path, name, type, *n));
   PetscCall(MpmHdf5Length(s, name, type, n));
+  PetscCall(MpmMemoryCheck(PETSC_COMM_WORLD, path,
+                           (PetscReal)MpmRanksOf(PETSC_COMM_WORLD) * (PetscReal)*n * (PetscReal)bytes, name));
   PetscCall(PetscCalloc1((size_t)(*n + 1) * bytes, (char **)values));
   MpmHdf5Read(s, name, type, 0, *n, *(char **)values);
   PetscFunctionReturn(PETSC_SUCCESS);

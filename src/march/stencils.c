@@ -16,7 +16,8 @@ typedef struct {
   PetscBool twice; /* a node may be there twice */
 } Along;
 
-PetscInt MpmSlopesMost(const MpmSlopes *s)
+/* The most nodes that SlopesAt finds. */
+static PetscInt SlopesMost(const MpmSlopes *s)
 {
   PetscInt n = 1;
 
@@ -89,10 +90,19 @@ static PetscInt Merge(PetscInt components, PetscInt n, const PetscInt number[], 
   return kept;
 }
 
-PetscInt MpmSlopesAt(const MpmSlopes *s, PetscBool merge, const PetscInt cell[], const PetscReal xi[], PetscInt node[],
-                     PetscReal shape[], PetscReal slope[])
+/*
+   The nodes of a particle in a local cell of the grid, at xi there. Returns how many there are. With merge none is there
+   twice: two of a particle's nodes may be one and the same, at a wall or in a short periodic grid.
+
+   Output Parameters:
++  node  - indices in a local array, from its node 0
+.  shape - phi of each node
+-  slope - slope[(node dim + component) dim + direction], in units of 1 / h
+*/
+static PetscInt SlopesAt(const MpmSlopes *s, PetscBool merge, const PetscInt cell[], const PetscReal xi[],
+                         PetscInt node[], PetscReal shape[], PetscReal slope[])
 {
-  const PetscInt dim = s->layout->dim, reach = MpmMapReach(s->basis), n = MpmSlopesMost(s);
+  const PetscInt dim = s->layout->dim, reach = MpmMapReach(s->basis), n = SlopesMost(s);
   PetscInt       number[MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH];
   Along          along[MPM_MAX_DIM];
   PetscBool      twice = PETSC_FALSE;
@@ -145,7 +155,10 @@ static PetscBool IsInside(const MpmStencils *s, PetscInt p)
   return PETSC_TRUE;
 }
 
-/* Of particles inside, one direction after another: nodes d further along one have the products so far times its weights. */
+/*
+   Of particles inside, one direction after another: nodes d further along one have the products so far times its
+   weights.
+*/
 static inline __attribute__((always_inline)) void FillInside(const PetscInt dim, MpmStencils *s,
                                                              PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
 {
@@ -194,7 +207,7 @@ static inline __attribute__((always_inline)) void FillInside(const PetscInt dim,
 /* Near walls, particle by particle. Where one has fewer nodes the rest have weight 0. */
 static void FillAtWall(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at[][MPM_STENCILS])
 {
-  const PetscInt most = MpmSlopesMost(&s->slopes), each = s->dim * s->dim;
+  const PetscInt most = SlopesMost(&s->slopes), each = s->dim * s->dim;
   PetscInt       node[MPM_MAX_REACH * MPM_MAX_REACH * MPM_MAX_REACH];
   PetscReal     *shape = s->memory, *slope = s->memory + most;
 
@@ -208,7 +221,7 @@ static void FillAtWall(MpmStencils *s, PetscInt in[][MPM_STENCILS], PetscReal at
       cell[a] = in[a][q];
       xi[a]   = at[a][q];
     }
-    if (q < s->n) n = MpmSlopesAt(&s->slopes, PETSC_TRUE, cell, xi, node, shape, slope);
+    if (q < s->n) n = SlopesAt(&s->slopes, PETSC_TRUE, cell, xi, node, shape, slope);
     for (PetscInt i = 0; i < most; i++) {
       s->S[i * MPM_STENCILS + q]    = i < n ? shape[i] : 0;
       s->node[i * MPM_STENCILS + q] = i < n ? node[i] : node[0];
@@ -257,7 +270,7 @@ PetscErrorCode MpmStencilsCreate(MpmMarch *march, PetscInt64 step, MpmStencils *
   s->all = MpmLayoutIsPeriodic(march->layout);
   for (PetscInt a = 0; a < s->dim; a++)
     if (march->grid->axis[a].cells < MpmMapReach(s->slopes.basis)) s->all = PETSC_FALSE;
-  most = MpmSlopesMost(&s->slopes);
+  most = SlopesMost(&s->slopes);
   PetscCall(PetscMalloc4(MPM_STENCILS * most, &s->node, MPM_STENCILS * most, &s->S,
                          MPM_STENCILS * most * s->dim * s->dim, &s->g, (1 + s->dim * s->dim) * most, &s->memory));
   PetscCall(MpmMarchGetArrays(march, step, &s->at));

@@ -21,23 +21,6 @@ typedef struct {
   const MpmParity (*parity)[MPM_MAX_DIM];
 } MpmSlopes;
 
-/* Not collective. The most nodes that MpmSlopesAt finds. */
-PetscInt MpmSlopesMost(const MpmSlopes *slopes);
-
-/*
-   MpmSlopesAt - the nodes of a particle in a local cell of the grid, at xi there. Returns how many there are. With
-   merge none is there twice: two of a particle's nodes may be one and the same, at a wall or in a short periodic grid.
-
-   Not collective.
-
-   Output Parameters:
-+  node  - indices in a local array, from its node 0
-.  shape - phi of each node
--  slope - slope[(node dim + component) dim + direction], in units of 1 / h
-*/
-PetscInt MpmSlopesAt(const MpmSlopes *slopes, PetscBool merge, const PetscInt cell[], const PetscReal xi[],
-                     PetscInt node[], PetscReal shape[], PetscReal slope[]);
-
 /* Not collective. Whether a component of a vector is fixed at a node, which at[] has in the grid. */
 PetscBool MpmSlopesFix(const MpmSlopes *slopes, PetscInt component, const PetscInt at[]);
 

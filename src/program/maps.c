@@ -65,8 +65,12 @@ PetscErrorCode MpmReciprocals(Vec numbers, Vec *reciprocals)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscInt MpmNodeWeights(const MpmSlab *s, PetscReal row[][MPM_MAX_REACH], const MpmParity parity[], PetscBool drop,
-                        const PetscInt cell[], PetscInt column[], PetscReal weight[])
+/*
+   The nodes that a particle in a cell has weights at, and these weights: products of row[a][.] over the directions a, as
+   MpmMapRow numbers them. drop is that of MpmNodesSeen. Returns how many there are.
+*/
+static PetscInt NodeWeights(const MpmSlab *s, PetscReal row[][MPM_MAX_REACH], const MpmParity parity[], PetscBool drop,
+                            const PetscInt cell[], PetscInt column[], PetscReal weight[])
 {
   const PetscInt reach = MpmMapReach(s->scheme->basis);
   PetscInt       n = 1, stride = 1;
@@ -128,7 +132,7 @@ static PetscInt Weights(const MpmMaps *maps, const MpmOpKind kinds[], const MpmP
     MpmDirectionWalls(&s->layout->grid[a], cell[a], wall);
     Row(s, kinds[a], a, xi[a], wall, row[a]);
   }
-  return MpmNodeWeights(s, row, parity, drop, cell, column, weight);
+  return NodeWeights(s, row, parity, drop, cell, column, weight);
 }
 
 /*

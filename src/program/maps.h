@@ -95,14 +95,5 @@ PetscErrorCode MpmMapsEven(const MpmSlab *slab, PetscInt64 step, Mat *map);
 PetscErrorCode MpmMapsCount(const MpmMaps *maps, PetscReal *numbers);
 PetscErrorCode MpmMapsDestroy(MpmMaps *maps);
 
-/*
-   MpmNodeWeights - the nodes that a particle in a cell has weights at, and these weights: products of row[a][.] over
-   the directions a, as MpmMapRow numbers them. drop is that of MpmNodesSeen. Returns how many there are.
-
-   Not collective.
-*/
-PetscInt MpmNodeWeights(const MpmSlab *slab, PetscReal row[][MPM_MAX_REACH], const MpmParity parity[], PetscBool drop,
-                        const PetscInt cell[], PetscInt column[], PetscReal weight[]);
-
 /* Collective. A new vector of the reciprocals of the numbers that are not 0; those stay 0. */
 PetscErrorCode MpmReciprocals(Vec numbers, Vec *reciprocals);

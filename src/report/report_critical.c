@@ -449,12 +449,14 @@ PetscErrorCode MpmCriticalWriteCsv(const char path[], const MpmScene *scene, con
 /* The particles of a layout as CSV that -layout reads, with their bounds and the mode that grows first. */
 PetscErrorCode MpmCriticalWriteLayout(const char path[], const MpmScene *scene, const MpmCritical *c)
 {
-  static const char *const property[MPM_PROPERTIES] = {
-      [MPM_VOLUME] = "volume", [MPM_MASS] = "mass", [MPM_STIFFNESS] = "young", [MPM_LAMBDA] = "poisson",
-      [MPM_MOBILITY] = "fixed"};
-  const MpmLayout *l = &scene->layout;
-  PetscReal        x[MPM_MAX_DIM], unit[MPM_PROPERTIES];
-  MpmTextFile      csv;
+  static const char *const property[MPM_PROPERTIES] = {[MPM_VOLUME]    = "volume",
+                                                       [MPM_MASS]      = "mass",
+                                                       [MPM_STIFFNESS] = "young",
+                                                       [MPM_LAMBDA]    = "poisson",
+                                                       [MPM_MOBILITY]  = "fixed"};
+  const MpmLayout         *l                        = &scene->layout;
+  PetscReal                x[MPM_MAX_DIM], unit[MPM_PROPERTIES];
+  MpmTextFile              csv;
 
   PetscFunctionBegin;
   MpmMaterialUnits(scene, unit);

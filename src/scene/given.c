@@ -497,6 +497,11 @@ static PetscErrorCode CheckPoisson(MpmScene *scene)
         given->path, Where(given, id, where), own, nu);
   }
   MpmCheckInput(
+      !scene->scheme.space.lames || scene->viscosity == 0,
+      "layout %s: poisson differs from particle to particle, where viscosity %.6g would need one for all; allowed: "
+      "shear_viscosity and bulk_viscosity",
+      given->path, scene->viscosity);
+  MpmCheckInput(
       !given->column[MPM_GIVEN_YOUNG] || scene->layout.dim == 1 || nu < 0.5,
       "layout %s: young with poisson 0.5 has no finite stiffness; allowed: poisson below 0.5, or no column young",
       given->path);

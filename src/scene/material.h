@@ -43,5 +43,7 @@ PetscReal MpmMaterialStiffness(PetscInt dim, PetscReal nu);
 */
 void MpmMaterialOne(const MpmMaterialNumbers *material, PetscInt dim, const PetscReal F[], const PetscReal dF[],
                     PetscReal tau[], PetscReal dtau[]);
-/* Not collective. A property of a particle as layout FILE has it, in these units: of MPM_LAMBDA it is Poisson's ratio. */
+/*
+   Not collective. A property of a particle as layout FILE has it, in these units: of MPM_LAMBDA it is Poisson's ratio.
+*/
 PetscReal MpmMaterialColumn(const MpmScene *scene, const PetscReal unit[], MpmProperty property, PetscInt64 id);

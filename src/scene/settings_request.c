@@ -206,6 +206,7 @@ static PetscBool NameAxes(const char text[], MpmAxis axes[2])
   for (int a = 0; a < 2; a++) {
     const size_t length = strcspn(text, ", ");
 
+    if (length >= sizeof axes[a].name) return PETSC_FALSE;
     (void)snprintf(axes[a].name, PetscMin(length + 1, sizeof axes[a].name), "%s", text);
     text += length + strspn(text + length, ", ");
   }

@@ -350,8 +350,8 @@ static void Separating(PetscReal friction, PetscInt dim, const PetscReal normal[
 
 static const MpmContact
     sticky     = {.name = "sticky", .summary = "nodes move with the collider", .linear = PETSC_TRUE, .project = Sticky},
-    slip       = {.name    = "slip",
-                  .summary = 
+    slip       = {.name = "slip",
+                  .summary =
                       "nodes keep their velocity along the surface, with friction a part of it, and lose that across it",
                   .rubs    = PETSC_TRUE,
                   .linear  = PETSC_TRUE,

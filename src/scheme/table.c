@@ -201,7 +201,8 @@ static PetscErrorCode AheadFrom(MpmTableBuilder *b, const MpmOp *op)
 }
 
 /*
-   s_ab += sum_cd MpmSpaceTangent_abcd GRAD_d v_c, or with the moduli of each particle; of a fluid s += sum_c GRAD_c v_c; and of the stress ahead
+   s_ab += sum_cd MpmSpaceTangent_abcd GRAD_d v_c, or with the moduli of each particle, which have no prestress
+   (scene_law.c); of a fluid s += sum_c GRAD_c v_c; and of the stress ahead
 
      q_ab += (ds_ab / d (dv_c/dx_d) - sigma0_ad d_bc) GRAD_d v_c:    dT = dtau - tau L^T
 */
@@ -219,7 +220,7 @@ static PetscErrorCode GradToStress(MpmTableBuilder *b, const MpmOp *op)
     PetscReal       tangent  = MpmSpaceTangent(b->space, a, e, c, d);
 
     if (ahead && e == c) tangent -= MpmSpacePrestress(b->space, a, d);
-    if (b->space->lames && !MpmSpaceIsPrestressed(b->space)) {
+    if (b->space->lames) {
       own.side = !of_trace ? MPM_SHEAR - MPM_STIFFNESS : a == c ? 0 : MPM_LAMBDA - MPM_STIFFNESS;
       tangent  = of_trace || (a == c && e == d) || (a == d && e == c);
     }

@@ -73,8 +73,7 @@ PetscErrorCode MpmExpectFinding(const MpmExpect *expect, MpmVerdict verdict, Pet
 /*
    MpmRunFilesCreate - marches a scene, reads and writes the files that it names, and measures.
 
-   Collective on PETSC_COMM_WORLD. The files that it starts from must have been checked (CheckStart in tasks.c). A run
-   that a signal has stopped (run->stopped) leaves its checkpoint and no other file. started: see MpmRunCreate.
+   Collective on PETSC_COMM_WORLD. The files that it starts from must have been checked. A run that a signal has stopped (run->stopped) leaves its checkpoint and no other file. started: see MpmRunCreate.
 */
 PetscErrorCode MpmRunFilesCreate(const MpmScene *scene, const MpmRequest *request, PetscReal started, MpmRun **run);
 

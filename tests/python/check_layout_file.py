@@ -252,6 +252,9 @@ def check_refusals():
             file.write(text)
         _, error = run("critical usl -dim 2 -layout poisson.csv", 1, 2)
         check(f"line 3: poisson {more}" in error and "with a column young" in error, error)
+    write("poisson.csv", "x,y,poisson,young", [[0.1, 0.1, 0.3, 1], [0.2, 0.2, 0.2, 1]])
+    _, error = run("critical usl -dim 2 -layout poisson.csv -viscosity 0.1", 1, 2)  # it would be that of the first particle
+    check("poisson differs" in error and "viscosity 0.1" in error, error)
 
 
 def check_poisson():
