@@ -82,7 +82,7 @@ KINDS = [
         ("liquids between sticky walls: Newton's and its start, Bingham's, Herschel's and Bulkley's", "exact velocities", lambda: 4, "order 2: "
          "errors on 16 cells of 0.5 to 1.7 %", "nothing", "viscous_runs"),
         ("shocks with the viscosity of von Neumann and Richtmyer", "Noh's problem: speed, density, velocity, jumps of mass and momentum",
-         lambda: 2, "1 %", "without it 2 % of the speed", "viscous_runs"),
+         lambda: 2, "1 %", "nothing", "viscous_runs"),
     ]),
     ("Programs written apart from this one", [
         ("growth in one dimension", "a program of its own in numpy (growth.csv)", lambda: rows_of("growth.csv"), "2 % of the rate of a run", "nothing", "oracle"),

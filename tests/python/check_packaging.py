@@ -179,7 +179,8 @@ def use_in_clean_system(folder, packages):
     if reached.returncode:
         return f"apt fetches nothing in one here: {reached.stderr[-200:]}"
     said = done(["chroot", root, "sh", "-e", "-c", script], folder, env=allowed)
-    check(said == LIMIT, f"in a clean Debian the program that was compiled with the packages prints {said}")
+    said = [line for line in said.splitlines() if "hwloc" not in line]  # this library misses /sys, which is not there
+    check(said == LIMIT.splitlines(), f"in a clean Debian the program that was compiled with the packages prints {said}")
     return None
 
 

@@ -23,7 +23,7 @@ static int check_failures;
 
 /*
    Says whether these ranks try the i-th case: on P ranks every P-th. That a scheme is right is shown on one rank, where
-   all are tried; that ranks do not matter is shown by enough of them.
+   all are tried unless a test says that its ranks at night have the others; that ranks do not matter is shown by enough of them.
 */
 static inline PetscErrorCode CheckHasTurn(PetscInt i, PetscBool *turn)
 {

@@ -4,6 +4,7 @@ run() takes the place of subprocess.run. What forks.c cannot do (ranks, other pr
 has no such program) subprocess.run does.
 """
 import atexit
+import contextlib
 import json
 import os
 import select
@@ -22,6 +23,7 @@ class Waiting:
 
     def __init__(self, path):
         self.path, self.environment, self.folder = path, dict(os.environ), tempfile.TemporaryDirectory()
+        self.count = 0
         self.process = subprocess.Popen([path], stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0)
         atexit.register(self.end)
 
@@ -33,7 +35,8 @@ class Waiting:
 
     def run(self, words, cwd, environment, timeout):
         """Returns the status, as subprocess gives it, the processor time in seconds, and what the command wrote, as bytes."""
-        out, err = (os.path.join(self.folder.name, name) for name in ("out", "err"))
+        self.count += 1  # what outlives a command does not write into what the next one says
+        out, err = (os.path.join(self.folder.name, f"{name}.{self.count}") for name in ("out", "err"))
         changed = {name: environment.get(name) for name in {*environment, *self.environment}
                    if environment.get(name) != self.environment.get(name)}
         request = {"folder": os.path.abspath(cwd or "."), "out": out, "err": err, "words": words, "environment": changed}
@@ -41,7 +44,8 @@ class Waiting:
         child = int(self.process.stdout.readline().split()[0])
         late = not select.select([self.process.stdout], [], [], timeout)[0]
         if late:
-            os.kill(child, 9)
+            with contextlib.suppress(ProcessLookupError):  # the command ends just now
+                os.kill(child, 9)
         status, time = map(int, self.process.stdout.readline().split())
         if late:
             raise subprocess.TimeoutExpired(words, timeout)
@@ -49,6 +53,7 @@ class Waiting:
         for path in (out, err):
             with open(path, "rb") as file:
                 said.append(file.read())
+            os.remove(path)
         return os.waitstatus_to_exitcode(status), time / 1000, *said
 
 
@@ -57,13 +62,14 @@ def program_of(words, how):
     folder, name = os.path.split(words[0])
     path = os.path.join(os.path.abspath(folder), "tests", "mpmstab_forks")
     files = {how.get("stdout", subprocess.PIPE), how.get("stderr", subprocess.PIPE), how.get("stdin", subprocess.DEVNULL)}
-    environment = how.get("env") or os.environ
+    environment = os.environ if how.get("env") is None else how["env"]
+    started = _own.waiting.environment if getattr(_own, "waiting", None) else os.environ
     texts = [*words, *environment.values()]
     if (name != "mpmstab" or len(words) == 1 or set(how) - KNOWN or files - {subprocess.PIPE, subprocess.DEVNULL}
             or any("\0" in text or not text.isprintable() and text != text.encode(errors="ignore").decode() for text in texts)):
         return None
-    loaded, here = ({name: one[name] for name in one if name.startswith(LOADED)} for one in (environment, os.environ))
-    return path if loaded == here and os.path.exists(path) else None
+    loaded, here = ({name: one[name] for name in one if name.startswith(LOADED)} for one in (environment, started))
+    return path if loaded == here and os.path.exists(words[0]) and os.path.exists(path) else None
 
 
 def run(words, **how):
@@ -77,7 +83,7 @@ def run(words, **how):
         return subprocess.run(words, **how)
     if getattr(_own, "waiting", None) is None or _own.waiting.path != path:
         _own.waiting = Waiting(path)
-    status, seconds, *said = _own.waiting.run(words[1:], how.get("cwd"), how.get("env") or os.environ,
+    status, seconds, *said = _own.waiting.run(words[1:], how.get("cwd"), os.environ if how.get("env") is None else how["env"],
                                      how.get("timeout"))
     if how.get("text"):
         said = [text.decode(errors=how.get("errors", "strict")).replace("\r\n", "\n").replace("\r", "\n") for text in said]
