@@ -36,6 +36,7 @@ NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w.]*[
 ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_pml": "ob1",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1", "OMP_NUM_THREADS": "1",
                "OMPI_MCA_odls_base_sigkill_timeout": "0", "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "80"}
+RANKS = re.compile(r"\b\d+ ranks?\b")
 PROGRESS = re.compile(r"(?m)^.*\d+ of \d+, \d+%, \d+ s left(?: \(.*\))?\n")  # a line a minute, on a machine that is busy
 
 
@@ -185,6 +186,11 @@ def compare(old, new, rules):
     return told, kept
 
 
+def of_any_ranks(answer):
+    """An answer whose lines do not say how many ranks there were."""
+    return {key: [RANKS.sub("ranks", line) for line in value] if key in ("out", "err") else value for key, value in answer.items()}
+
+
 def write(path, answers):
     """Writes the answers of a group: a line for each value, so that a change is a line of a diff."""
     text = ["{"]
@@ -228,6 +234,10 @@ def main():
                 answers.update(json.load(file))
     wanted = [case for case in cases if fnmatch.fnmatch(case.name, arguments.only) or case.group == arguments.only]
     wanted = [case for case in wanted if not (arguments.every_day and case.nightly or arguments.nightly and not case.nightly)]
+    if arguments.ranks:
+        if arguments.record:
+            sys.exit("golden: --ranks with --record would record what the cases do not ask for; allowed: one of them")
+        wanted = [case for case in wanted if "-ranks" not in case.command]  # it says how many there must be
     wanted.sort(key=lambda case: -case.ranks)  # those of several ranks take longest
     tools = tempfile.TemporaryDirectory()  # programs of cases run with the Python that runs this
     os.symlink(sys.executable, os.path.join(tools.name, "python3"))
@@ -237,8 +247,10 @@ def main():
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         for case, (found, took) in zip(wanted, pool.map(lambda case: run(case, arguments), wanted)):
             seconds[case.name] = took
-            told, groups[case.group][case.name] = compare(groups[case.group].get(case.name, {}), found,
-                                                          case.rules + common)
+            known = groups[case.group].get(case.name, {})
+            if arguments.ranks:
+                known, found = of_any_ranks(known), of_any_ranks(found)
+            told, groups[case.group][case.name] = compare(known, found, case.rules + common)
             last = max((key for key in found if key.startswith("status")), key=lambda key: int(key.split()[1]))
             if found[last] != case.status:
                 told.append(f"status {found[last]}, and its line in cases/{case.group}.txt says {case.status}")
