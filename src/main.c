@@ -34,7 +34,7 @@ static PetscErrorCode Dispatch(int argc, char **argv, PetscReal started, int *st
   PetscCall(CheckTrap());
   *status = MPM_EXIT_DONE;
   if (argc > 1 && !strcmp(argv[1], "version")) {
-    MpmPrint("mpmstab %s\n", MPMSTAB_VERSION);
+    MpmPrintVersion();
     PetscFunctionReturn(PETSC_SUCCESS);
   }
   if (argc > 2 && !strcmp(argv[1], "help")) {

@@ -39,9 +39,11 @@ PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscR
 
 /*
    Collective. MpmPrintUsage describes the program in ten lines, and MpmPrintHelp a task: an example, and the options
-   that it reads. MpmPrintHelp refuses a name that is no task's.
+   that it reads. MpmPrintHelp refuses a name that is no task's. MpmPrintVersion prints name and version: a program of
+   main.c and the installed library has no other way to it.
 */
 void           MpmPrintUsage(void);
+void           MpmPrintVersion(void);
 PetscErrorCode MpmPrintHelp(const char task[]);
 
 /* Collective. The work of each task, in its file. */

@@ -215,6 +215,11 @@ PetscErrorCode MpmTaskOnScene(const MpmTask *task, int argc, char **argv, PetscR
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+void MpmPrintVersion(void)
+{
+  MpmPrint("mpmstab %s\n", MPMSTAB_VERSION);
+}
+
 void MpmPrintUsage(void)
 {
   MpmPrint(

@@ -20,7 +20,7 @@ from checks import check, loaded
 import program
 
 WITHIN = 0.1
-SAME = 5e-3  # where arrays lie in memory decides how many of their first numbers are not in vectors
+SAME = 1e-2  # where arrays lie in memory decides how many of their first numbers are not in vectors
 TEXT = "musl linear 0"
 PPC, STEPS = 2, 20
 CELLS = {1: 2000, 2: 24, 3: 6}  # along each direction, by dimension
