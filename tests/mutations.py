@@ -37,7 +37,7 @@ MUTATIONS = [  # name, file, what stands there, what is put in its place
     ("aflip: share by 1e-6", TRANSFER, "1 - numbers->affine_ratio, ONE", "1.000001 - numbers->affine_ratio, ONE"),
     ("tpic: no gradient of the functions", TRANSFER, ".taylor    = PETSC_TRUE,", ""),
     ("nullspace: symbol by 1e-6", TRANSFER, "return alpha > 0 ? 1 : 0;", "return alpha > 0 ? 0.999999 : 0;"),
-    ("halo: lost sums of other ranks", "src/march/grid.c", "MPIU_SUM", "MPI_REPLACE"),
+    ("halo: lost sums of other ranks", "src/march/grid.c", "+= h->others[n * l + f]", "+= 0 * h->others[n * l + f]"),
     ("symbol: growth of the least rank", "src/symbol/symbol.c", "&s->growth, 1, MPIU_REAL, MPI_MAX",
      "&s->growth, 1, MPIU_REAL, MPI_MIN"),
     ("march: particles do not migrate", "src/march/march.c", "if (most + 1 > march->slack)", "if (most > march->slack + 100)"),

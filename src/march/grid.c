@@ -1,12 +1,36 @@
 /*
    Node fields in DMDA vectors, and sums over the copies of nodes that ranks share.
 
-   The sums are made by a star forest: its leaves are the ghosts of a local array, and its roots the same nodes where
-   they are owned. The owner adds up what its ghosts have, and they get the sum. DMLocalToGlobal with ADD_VALUES and back
-   would copy every node twice, for a few that are shared.
+   The sums are made by a star forest over the shared nodes. Each rank sends the sums of its copies to all ranks that
+   have the node too, and each of them adds up. So there is one message to a neighbour, where a sum at the owner and its
+   way back to the ghosts would take two, one after the other. DMLocalToGlobal with ADD_VALUES and back would also copy
+   every node twice, for a few that are shared, and send a message for each field.
 */
 #include "march/grid.h"
 #include <mpmstab/table.h>
+#include <petscsf.h>
+#include <stdlib.h>
+
+#define HALO_FIELDS (MPM_MAX_FIELDS + 1) /* the most fields at once: those of a table, and the masses */
+
+/*
+   MpmHalo_ - the nodes of a rank that have several copies, as own nodes and ghosts of this and other ranks.
+
+   nnodes             - the number of these nodes
+   copy, copy_node    - indices in a local array of this rank's copies of them, and the nodes' numbers; ncopies of them
+   other_node         - of the nodes of other ranks that are the same, nothers in all: the number here. The first nlower
+                        are those of lower ranks. Those of a node are in the order of ranks
+   sf                 - roots are a rank's nodes, leaves the same nodes of other ranks. On one rank there is none
+   unit               - unit[n]: n numbers side by side, made when it is first needed, or MPI_DATATYPE_NULL
+   own, others, total - sums over a rank's copies, here and on other ranks, and over all copies: all fields at a node
+                        side by side; there is room for so many fields (room)
+*/
+struct MpmHalo_ {
+  PetscSF      sf;
+  PetscInt     nnodes, ncopies, nlower, nothers, *copy, *copy_node, *other_node, room;
+  MPI_Datatype unit[HALO_FIELDS + 1];
+  PetscReal   *own, *others, *total;
+};
 
 /* The owner of a node along one axis, and the node's index there. Returns false for a node beyond a wall. */
 static PetscBool FindAlong(const MpmGridAxis *axis, PetscInt local, PetscInt *rank, PetscInt *index)
@@ -27,49 +51,264 @@ static PetscInt NodesOf(const MpmGridAxis *axis, PetscInt r)
   return axis->starts[r + 1] - axis->starts[r] + (r == axis->ranks - 1 ? axis->all - axis->cells : 0);
 }
 
-/* Finds the owner of a ghost, and its index in the owner's local arrays. False: it is no ghost, or beyond a wall. */
-static PetscBool FindOwner(const MpmGrid *grid, const PetscInt node[], PetscSFNode *owner)
+/*
+   All copies of a node along one axis, three at most: that of its owner and those that are ghosts of the ranks beside
+   it. Returns their number, 0 for a node beyond a wall.
+*/
+#define MOST_ALONG 3
+static PetscInt CopiesAlong(const MpmGridAxis *axis, PetscInt ghost, PetscInt local, PetscSFNode copy[])
 {
-  PetscBool ghost  = PETSC_FALSE;
-  PetscInt  stride = 1, ranks = 1;
+  PetscInt owner, index, n = 0;
 
-  for (PetscInt a = 0; a < grid->dim; a++)
-    if (node[a] < 0 || node[a] >= grid->axis[a].nodes) ghost = PETSC_TRUE;
-  *owner = (PetscSFNode){0, 0};
-  for (PetscInt a = 0; a < grid->dim && ghost; a++) {
-    const MpmGridAxis *axis = &grid->axis[a];
-    PetscInt           rank, index;
+  if (!FindAlong(axis, local, &owner, &index)) return 0;
+  copy[n++] = (PetscSFNode){owner, index};
+  if (index < ghost && (axis->periodic || owner > 0)) {
+    const PetscInt left = (owner + axis->ranks - 1) % axis->ranks;
 
-    if (!FindAlong(axis, node[a], &rank, &index)) return PETSC_FALSE;
-    owner->rank += ranks * rank;
-    owner->index += stride * (index + grid->ghost);
-    ranks *= axis->ranks;
-    stride *= NodesOf(axis, rank) + 2 * grid->ghost;
+    copy[n++] = (PetscSFNode){left, NodesOf(axis, left) + index};
   }
-  return ghost;
+  if (index >= NodesOf(axis, owner) - ghost && (axis->periodic || owner < axis->ranks - 1))
+    copy[n++] = (PetscSFNode){(owner + 1) % axis->ranks, index - NodesOf(axis, owner)};
+  return n;
 }
 
-static PetscErrorCode CreateForest(MpmGrid *grid)
+static int CompareCopies(const void *a, const void *b)
 {
-  const MpmGridBox box  = MpmGridBoxOf(grid, grid->ghost);
-  const PetscInt   size = MpmGridSize(grid);
-  PetscInt         n    = 0, *ghost, node[MPM_MAX_DIM];
-  PetscSFNode     *owner;
+  const PetscSFNode *x = a, *y = b;
+
+  if (x->rank != y->rank) return x->rank < y->rank ? -1 : 1;
+  return (x->index > y->index) - (x->index < y->index);
+}
+
+#define MOST_COPIES 27
+
+/* All copies of a local node, sorted, with their indices in local arrays. Returns their number. */
+static PetscInt CopiesOf(const MpmGrid *grid, const PetscInt node[], PetscSFNode copy[])
+{
+  PetscInt n = 1, ranks = 1, stride[MOST_COPIES];
+
+  copy[0]   = (PetscSFNode){0, 0};
+  stride[0] = 1;
+  for (PetscInt a = 0; a < grid->dim; a++) {
+    const MpmGridAxis *axis = &grid->axis[a];
+    PetscSFNode        along[MOST_ALONG];
+    const PetscInt     nalong = CopiesAlong(axis, grid->ghost, node[a], along);
+
+    for (PetscInt k = nalong - 1; k >= 0; k--) { /* the first n are read until they are written last */
+      for (PetscInt c = 0; c < n; c++) {
+        copy[k * n + c].rank  = copy[c].rank + ranks * along[k].rank;
+        copy[k * n + c].index = copy[c].index + stride[c] * (along[k].index + grid->ghost);
+        stride[k * n + c]     = stride[c] * (NodesOf(axis, along[k].rank) + 2 * grid->ghost);
+      }
+    }
+    n *= nalong;
+    ranks *= axis->ranks;
+  }
+  qsort(copy, n, sizeof *copy, CompareCopies);
+  return n;
+}
+
+/* Whether a node may have several copies: in the middle of a rank's part it has one. */
+static PetscBool NearEnd(const MpmGrid *grid, const PetscInt node[])
+{
+  for (PetscInt a = 0; a < grid->dim; a++)
+    if (node[a] < grid->ghost || node[a] >= grid->axis[a].nodes - grid->ghost) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Whether a local index is that of the first copy on a rank. */
+static PetscBool IsFirst(PetscMPIInt rank, PetscInt local, PetscInt n, const PetscSFNode copy[])
+{
+  PetscInt c = 0;
+
+  while (c < n && copy[c].rank != rank) c++;
+  return c < n && copy[c].index == local ? PETSC_TRUE : PETSC_FALSE;
+}
+
+/* Lists the nodes of this rank that have several copies. With all NULL it only counts them, and their copies. */
+static void ListCopies(const MpmGrid *grid, PetscMPIInt rank, PetscInt count[2], PetscInt start[], PetscSFNode all[])
+{
+  const MpmGridBox box = MpmGridBoxOf(grid, grid->ghost);
+  PetscInt         node[MPM_MAX_DIM];
+  PetscSFNode      copy[MOST_COPIES];
+
+  count[0] = count[1] = 0;
+  for (node[2] = box.lo[2]; node[2] < box.hi[2]; node[2]++) {
+    for (node[1] = box.lo[1]; node[1] < box.hi[1]; node[1]++) {
+      for (node[0] = box.lo[0]; node[0] < box.hi[0]; node[0]++) {
+        PetscInt local = grid->origin, n;
+
+        if (!NearEnd(grid, node)) continue;
+        for (PetscInt a = 0; a < grid->dim; a++) local += grid->axis[a].stride * node[a];
+        n = CopiesOf(grid, node, copy);
+        if (n < 2 || !IsFirst(rank, local, n, copy)) continue;
+        if (all) {
+          start[count[0]] = count[1];
+          for (PetscInt c = 0; c < n; c++) all[count[1] + c] = copy[c];
+        }
+        count[0]++;
+        count[1] += n;
+      }
+    }
+  }
+  if (all) start[count[0]] = count[1];
+}
+
+/* ---- the halo ---- */
+
+/*
+   Lists this rank's copies of n nodes: node i has the copies start[i] to start[i + 1] of all, sorted by rank and index.
+*/
+static void ListOwn(PetscMPIInt rank, PetscInt n, const PetscInt start[], const PetscSFNode all[], MpmHalo *h)
+{
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt c = start[i]; c < start[i + 1]; c++) {
+      if (all[c].rank != rank) continue;
+      h->copy[h->ncopies]        = all[c].index;
+      h->copy_node[h->ncopies++] = i;
+    }
+  }
+}
+
+/* Lists the first copy on each lower or each higher rank. */
+static void ListOthers(PetscMPIInt rank, PetscBool lower, PetscInt n, const PetscInt start[], const PetscSFNode all[],
+                       MpmHalo *h, PetscSFNode others[])
+{
+  for (PetscInt i = 0; i < n; i++) {
+    for (PetscInt c = start[i]; c < start[i + 1]; c++) {
+      if (lower ? all[c].rank >= rank : all[c].rank <= rank) continue;
+      if (c > start[i] && all[c].rank == all[c - 1].rank) continue;
+      others[h->nothers]          = all[c];
+      h->other_node[h->nothers++] = i;
+    }
+  }
+}
+
+/* Connects the nodes of this rank with those of others, which are given by their first copy there. */
+static PetscErrorCode Connect(MPI_Comm comm, PetscInt size, MpmHalo *h, PetscSFNode others[])
+{
+  const PetscInt nothers = h->nothers;
+  PetscInt      *number, *found;
+  PetscSF        every; /* with all nodes of a local array as roots */
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(size - MpmGridNodes(grid) + 1, &ghost, size - MpmGridNodes(grid) + 1, &owner));
-  for (node[2] = box.lo[2]; node[2] < box.hi[2]; node[2]++)
-    for (node[1] = box.lo[1]; node[1] < box.hi[1]; node[1]++)
-      for (node[0] = box.lo[0]; node[0] < box.hi[0]; node[0]++) {
-        if (!FindOwner(grid, node, &owner[n])) continue;
-        ghost[n] = grid->origin;
-        for (PetscInt a = 0; a < grid->dim; a++) ghost[n] += grid->axis[a].stride * node[a];
-        n++;
-      }
-  PetscCall(PetscSFCreate(PetscObjectComm((PetscObject)grid->da), &grid->copies));
-  PetscCall(PetscSFSetGraph(grid->copies, size, n, ghost, PETSC_COPY_VALUES, owner, PETSC_COPY_VALUES));
-  PetscCall(PetscSFSetUp(grid->copies));
-  PetscCall(PetscFree2(ghost, owner));
+  PetscCall(PetscMalloc2(size, &number, nothers, &found));
+  for (PetscInt c = 0; c < h->ncopies; c++) number[h->copy[c]] = h->copy_node[c];
+  PetscCall(PetscSFCreate(comm, &every));
+  PetscCall(PetscSFSetGraph(every, size, nothers, NULL, PETSC_COPY_VALUES, others, PETSC_COPY_VALUES));
+  PetscCall(PetscSFBcastBegin(every, MPIU_INT, number, found, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(every, MPIU_INT, number, found, MPI_REPLACE));
+  PetscCall(PetscSFDestroy(&every));
+  for (PetscInt l = 0; l < nothers; l++) others[l].index = found[l];
+  PetscCall(PetscFree2(number, found));
+  PetscCall(PetscSFCreate(comm, &h->sf));
+  PetscCall(PetscSFSetGraph(h->sf, h->nnodes, nothers, NULL, PETSC_COPY_VALUES, others, PETSC_COPY_VALUES));
+  PetscCall(PetscSFSetUp(h->sf));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* size: that of a local array. */
+static PetscErrorCode CreateHaloOf(MPI_Comm comm, PetscInt size, PetscInt n, const PetscInt start[],
+                                   const PetscSFNode all[], MpmHalo **halo)
+{
+  PetscMPIInt  rank, ranks;
+  PetscSFNode *others;
+  MpmHalo     *h;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  PetscCallMPI(MPI_Comm_size(comm, &ranks));
+  PetscCall(PetscNew(halo));
+  h         = *halo;
+  h->nnodes = n;
+  for (PetscInt f = 0; f <= HALO_FIELDS; f++) h->unit[f] = MPI_DATATYPE_NULL;
+  PetscCall(PetscMalloc3(start[n], &h->copy, start[n], &h->copy_node, start[n], &h->other_node));
+  PetscCall(PetscMalloc1(start[n], &others));
+  ListOwn(rank, n, start, all, h);
+  ListOthers(rank, PETSC_TRUE, n, start, all, h, others);
+  h->nlower = h->nothers;
+  ListOthers(rank, PETSC_FALSE, n, start, all, h, others);
+  if (ranks > 1) PetscCall(Connect(comm, size, h, others));
+  PetscCall(PetscFree(others));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode DestroyHalo(MpmHalo **halo)
+{
+  MpmHalo *h = *halo;
+
+  PetscFunctionBegin;
+  PetscCall(PetscSFDestroy(&h->sf));
+  for (PetscInt f = 0; f <= HALO_FIELDS; f++)
+    if (h->unit[f] != MPI_DATATYPE_NULL) PetscCallMPI(MPI_Type_free(&h->unit[f]));
+  PetscCall(PetscFree3(h->own, h->others, h->total));
+  PetscCall(PetscFree3(h->copy, h->copy_node, h->other_node));
+  PetscCall(PetscFree(*halo));
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Makes room for n fields. */
+static PetscErrorCode MakeRoom(MpmHalo *h, PetscInt n)
+{
+  PetscFunctionBegin;
+  PetscCheck(n <= HALO_FIELDS, PETSC_COMM_SELF, PETSC_ERR_PLIB, "more fields than the halo has room for");
+  if (n <= h->room) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(PetscFree3(h->own, h->others, h->total));
+  PetscCall(PetscMalloc3(n * h->nnodes, &h->own, n * h->nothers, &h->others, h->sf ? n * h->nnodes : 0, &h->total));
+  h->room = n;
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* The type of a node's values. */
+static PetscErrorCode GetUnit(MpmHalo *h, PetscInt n, MPI_Datatype *unit)
+{
+  PetscFunctionBegin;
+  if (h->unit[n] == MPI_DATATYPE_NULL) {
+    PetscCallMPI(MPI_Type_contiguous((PetscMPIInt)n, MPIU_REAL, &h->unit[n]));
+    PetscCallMPI(MPI_Type_commit(&h->unit[n]));
+  }
+  *unit = h->unit[n];
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/* Adds the sums of other ranks, n numbers each. */
+static void AddOthers(const MpmHalo *h, PetscInt n, PetscInt begin, PetscInt end)
+{
+  for (PetscInt l = begin; l < end; l++)
+    for (PetscInt f = 0; f < n; f++) h->total[n * h->other_node[l] + f] += h->others[n * l + f];
+}
+
+/* Exchanges the sums of ranks, and adds all in the order of ranks. */
+static PetscErrorCode AddUp(MpmHalo *h, PetscInt n)
+{
+  MPI_Datatype unit;
+
+  PetscFunctionBegin;
+  PetscCall(GetUnit(h, n, &unit));
+  PetscCall(PetscSFBcastBegin(h->sf, unit, h->own, h->others, MPI_REPLACE));
+  PetscCall(PetscSFBcastEnd(h->sf, unit, h->own, h->others, MPI_REPLACE));
+  PetscCall(PetscArrayzero(h->total, n * h->nnodes));
+  AddOthers(h, n, 0, h->nlower);
+  for (PetscInt i = 0; i < n * h->nnodes; i++) h->total[i] += h->own[i];
+  AddOthers(h, n, h->nlower, h->nothers);
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+static PetscErrorCode CreateHalo(MpmGrid *grid)
+{
+  const MPI_Comm comm = PetscObjectComm((PetscObject)grid->da);
+  PetscMPIInt    rank;
+  PetscInt       count[2], *start;
+  PetscSFNode   *all;
+
+  PetscFunctionBegin;
+  PetscCallMPI(MPI_Comm_rank(comm, &rank));
+  ListCopies(grid, rank, count, NULL, NULL);
+  PetscCall(PetscMalloc2(count[0] + 1, &start, count[1], &all));
+  start[0] = 0;
+  ListCopies(grid, rank, count, start, all);
+  PetscCall(CreateHaloOf(comm, MpmGridSize(grid), count[0], start, all, &grid->halo));
+  PetscCall(PetscFree2(start, all));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -144,14 +383,14 @@ PetscErrorCode MpmGridCreate(MPI_Comm comm, PetscInt dim, const MpmDirection dir
   g->dim   = dim;
   g->ghost = ghost;
   PetscCall(CreateDMDA(comm, direction, partition, g));
-  PetscCall(CreateForest(g));
+  PetscCall(CreateHalo(g));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
 PetscErrorCode MpmGridDestroy(MpmGrid **grid)
 {
   PetscFunctionBegin;
-  PetscCall(PetscSFDestroy(&(*grid)->copies));
+  PetscCall(DestroyHalo(&(*grid)->halo));
   for (PetscInt a = 0; a < (*grid)->dim; a++) PetscCall(PetscFree((*grid)->axis[a].starts));
   PetscCall(DMDestroy(&(*grid)->da));
   PetscCall(PetscFree(*grid));
@@ -181,36 +420,27 @@ PetscErrorCode MpmGridZero(const MpmGrid *grid, PetscReal array[])
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode MpmGridRefresh(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
-{
-  PetscFunctionBegin;
-  for (PetscInt f = 0; f < n; f++) {
-    PetscReal *array = arrays[f] - grid->origin;
-
-    PetscCall(PetscSFBcastBegin(grid->copies, MPIU_REAL, array, array, MPI_REPLACE));
-  }
-  for (PetscInt f = 0; f < n; f++) {
-    PetscReal *array = arrays[f] - grid->origin;
-
-    PetscCall(PetscSFBcastEnd(grid->copies, MPIU_REAL, array, array, MPI_REPLACE));
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[])
 {
+  MpmHalo *h = grid->halo;
+
   PetscFunctionBegin;
+  if (n == 0) PetscFunctionReturn(PETSC_SUCCESS);
+  PetscCall(MakeRoom(h, n));
+  PetscCall(PetscArrayzero(h->own, n * h->nnodes));
   for (PetscInt f = 0; f < n; f++) {
-    PetscReal *array = arrays[f] - grid->origin;
+    PetscReal *restrict own         = h->own + f;
+    const PetscReal *restrict array = arrays[f] - grid->origin;
 
-    PetscCall(PetscSFReduceBegin(grid->copies, MPIU_REAL, array, array, MPIU_SUM));
+    for (PetscInt c = 0; c < h->ncopies; c++) own[n * h->copy_node[c]] += array[h->copy[c]];
   }
+  if (h->sf) PetscCall(AddUp(h, n));
   for (PetscInt f = 0; f < n; f++) {
-    PetscReal *array = arrays[f] - grid->origin;
+    const PetscReal *restrict sum = (h->sf ? h->total : h->own) + f;
+    PetscReal *restrict array     = arrays[f] - grid->origin;
 
-    PetscCall(PetscSFReduceEnd(grid->copies, MPIU_REAL, array, array, MPIU_SUM));
+    for (PetscInt c = 0; c < h->ncopies; c++) array[h->copy[c]] = sum[n * h->copy_node[c]];
   }
-  PetscCall(MpmGridRefresh(grid, n, arrays));
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
@@ -246,6 +476,7 @@ PetscErrorCode MpmGridCopy(const MpmGrid *grid, PetscBool back, PetscInt stride,
   const MpmGridBox box = MpmGridBoxOf(grid, 0);
 
   PetscFunctionBegin;
+  if (!back) PetscCall(MpmGridZero(grid, array));
   for (PetscInt r = 0; r < MpmGridRows(&box); r++) {
     PetscReal *row = array + MpmGridRow(grid, &box, r);
 

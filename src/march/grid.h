@@ -3,7 +3,8 @@
 #include "march/partition.h"
 #include <mpmstab/layout.h>
 #include <petscdmda.h>
-#include <petscsf.h>
+
+typedef struct MpmHalo_ MpmHalo; /* the nodes that ranks share */
 
 /*S
    MpmGridAxis - one direction of a grid, and the part of it that this rank has. Node i is the left end of cell i.
@@ -32,11 +33,10 @@ typedef struct {
 
    dim    - the number of directions
    origin - the index of node 0, counted from the beginning of a local array
-   copies - from the ghosts of a local array to the nodes that they are copies of (grid.c)
 S*/
 typedef struct {
   DM          da;
-  PetscSF     copies;
+  MpmHalo    *halo; /* its indices count from the beginning of a local array */
   PetscInt    dim, ghost, origin;
   MpmGridAxis axis[MPM_MAX_DIM];
 } MpmGrid;
@@ -76,9 +76,8 @@ PetscErrorCode MpmGridZero(const MpmGrid *grid, PetscReal array[]);
 
 /*
    Collective. For n local arrays, MpmGridSum sets each node, with its ghosts on all ranks, to the sum of what it and
-   these ghosts have. MpmGridRefresh sets the ghosts to what their owners have.
+   these ghosts have. It sends one message to a neighbour for all arrays.
 */
-PetscErrorCode MpmGridRefresh(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
 PetscErrorCode MpmGridSum(const MpmGrid *grid, PetscInt n, PetscReal *const arrays[]);
 
 /*
@@ -91,7 +90,8 @@ void MpmGridImages(const MpmGrid *grid, const MpmDirection direction[], const Mp
                    PetscReal array[]);
 
 /*
-   Not collective. Copies own[stride n], of the n-th node that this rank owns, to a local array, or back.
+   Not collective. Copies own[stride n], of the n-th node that this rank owns, to a local array whose ghosts become 0,
+   so that a sum over the copies is the owner's number; or back.
 */
 PetscErrorCode MpmGridCopy(const MpmGrid *grid, PetscBool back, PetscInt stride, PetscReal own[], PetscReal array[]);
 

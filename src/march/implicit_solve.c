@@ -54,7 +54,7 @@ static PetscErrorCode Spread(const MpmMarch *march, PetscInt first, Vec vector)
   PetscFunctionBegin;
   PetscCall(Copy(march, first, PETSC_FALSE, vector));
   for (PetscInt c = 0; c < grid->dim; c++) PetscCall(MpmGridGetArray(grid, march->node[first + c], &node[c]));
-  PetscCall(MpmGridRefresh(grid, grid->dim, node));
+  PetscCall(MpmGridSum(grid, grid->dim, node));
   for (PetscInt c = 0; c < grid->dim; c++) {
     MpmGridImages(grid, march->layout->grid, march->scheme->table->parity[first + c], PETSC_FALSE, node[c]);
     PetscCall(MpmGridRestoreArray(grid, march->node[first + c], &node[c]));

@@ -35,9 +35,22 @@ PetscErrorCode MpmNodesSum(const MpmMarch *march, PetscInt n, PetscReal *const s
 
 PetscErrorCode MpmNodesRefresh(const MpmMarch *march, const MpmParity parity[], PetscReal field[])
 {
+  const MpmGrid   *grid = march->grid;
+  const MpmGridBox own = MpmGridBoxOf(grid, 0), box = MpmGridBoxOf(grid, grid->ghost);
+  PetscInt         at[MPM_MAX_DIM];
+
   PetscFunctionBegin;
-  PetscCall(MpmGridRefresh(march->grid, 1, &field));
-  MpmGridImages(march->grid, march->layout->grid, parity, PETSC_FALSE, field);
+  for (at[2] = box.lo[2]; at[2] < box.hi[2]; at[2]++)
+    for (at[1] = box.lo[1]; at[1] < box.hi[1]; at[1]++)
+      for (at[0] = box.lo[0]; at[0] < box.hi[0]; at[0]++) {
+        PetscInt ghost = 0, node = at[0];
+
+        for (PetscInt a = 0; a < grid->dim; a++) ghost |= at[a] < own.lo[a] || at[a] >= own.hi[a];
+        for (PetscInt a = 1; a < grid->dim; a++) node += grid->axis[a].stride * at[a];
+        if (ghost) field[node] = 0; /* so that the sum of all copies is the owner's value */
+      }
+  PetscCall(MpmGridSum(grid, 1, &field));
+  MpmGridImages(grid, march->layout->grid, parity, PETSC_FALSE, field);
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 

@@ -179,7 +179,7 @@ static PetscErrorCode CopySolution(const MpmNodalSolve *s, PetscReal y[])
   PetscCall(VecGetArray(s->solution, &a));
   PetscCall(MpmGridCopy(s->grid, PETSC_FALSE, 1, a, y));
   PetscCall(VecRestoreArray(s->solution, &a));
-  PetscCall(MpmGridRefresh(s->grid, 1, &y));
+  PetscCall(MpmGridSum(s->grid, 1, &y));
   MpmGridImages(s->grid, s->layout->grid, s->parity, PETSC_FALSE, y);
   PetscFunctionReturn(PETSC_SUCCESS);
 }

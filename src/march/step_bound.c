@@ -486,7 +486,7 @@ static PetscErrorCode Multiply(Pass *s, Products *k, const PetscReal x[], PetscR
   PetscFunctionBegin;
   for (PetscInt i = 0; i < s->own; i++) k->scaled[i] = k->scale[i] * x[i];
   for (PetscInt c = 0; c < s->dim; c++) PetscCall(MpmGridCopy(grid, PETSC_FALSE, 1, k->scaled + c * own, s->sum[c]));
-  PetscCall(MpmGridRefresh(grid, s->dim, s->sum));
+  PetscCall(MpmGridSum(grid, s->dim, s->sum));
   for (PetscInt c = 0; c < s->dim; c++) {
     MpmGridImages(grid, direction, s->at.slopes.parity[c], PETSC_FALSE, s->sum[c]);
     for (PetscInt i = 0; i < size; i++) k->node[LANES * i + c] = s->sum[c][i - grid->origin];
