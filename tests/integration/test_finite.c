@@ -173,16 +173,15 @@ static PetscErrorCode TestSteps(void)
 */
 static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal growth)
 {
-  PetscBool   turn = PETSC_FALSE;
-  PetscReal   ratio;
-  char        all[512];
-  PetscMPIInt size;
-  MpmScene   *scene;
-  MpmRun     *run;
+  PetscBool         turn = PETSC_FALSE;
+  PetscReal         ratio;
+  char              all[512];
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
+  MpmScene         *scene;
+  MpmRun           *run;
 
   PetscFunctionBegin;
   PetscCall(CheckHasTurn(rows++, &turn));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   if (growth < (size > 1 ? LEAST_ON_RANKS : LEAST) || !turn || strstr(row, "musl,flip,linear,neo,mu=1;lam=0,1.0,1/8"))
     PetscFunctionReturn(PETSC_SUCCESS);
   PetscCall(PetscSNPrintf(all, sizeof all, "%s -kinematics finite -initial random -amplitude 1e-11", options));
@@ -266,14 +265,13 @@ static PetscErrorCode CheckReturn(void)
 
 static PetscErrorCode Body(int argc, char **argv)
 {
-  PetscMPIInt size;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
 
   PetscFunctionBeginUser;
   PetscCheck(argc > 1, PETSC_COMM_SELF, PETSC_ERR_USER_INPUT, "test_finite growth-nonlinear.csv");
   PetscCall(TestSteps());
   PetscCall(CheckReturn());
   PetscCall(OracleGrowthNonlinear(argv[1], 40, CheckRow));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   if (size == 1) PetscCall(CheckLinear()); /* that ranks do not matter is shown by the steps */
   CHECK(size > 1 || agree >= 18, "only %" PetscInt_FMT " rows agree to 1%% of the logarithm", agree);
   PetscFunctionReturn(PETSC_SUCCESS);

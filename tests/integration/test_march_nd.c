@@ -257,12 +257,11 @@ static PetscErrorCode AxesExchange(const char xy[], const char yx[])
 
 static PetscErrorCode Test(int argc, char **argv)
 {
-  PetscMPIInt size;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
 
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   if (size == 1) {
     PetscCall(SchemesAgree());
     PetscCall(AllAgree(PETSC_STATIC_ARRAY_LENGTH(walls), walls));

@@ -327,12 +327,11 @@ static PetscErrorCode CheckSearch(void)
 
 static PetscErrorCode Test(int argc, char **argv)
 {
-  PetscMPIInt size;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
 
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(CheckLones());
   PetscCall(CheckSearch());
   PetscCall(CheckSlow());

@@ -19,9 +19,9 @@ static PetscInt marched;
 
 static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal growth)
 {
-  MpmScene   *scene;
-  MpmSymbol  *symbol;
-  PetscMPIInt size;
+  MpmScene         *scene;
+  MpmSymbol        *symbol;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
 
   PetscFunctionBegin;
   PetscCall(CheckScene(options, &scene));
@@ -29,7 +29,6 @@ static PetscErrorCode CheckRow(const char row[], const char options[], PetscReal
   /* A defective eigenvalue at 1 is split by rounding; the independent program says the same of its own numbers. */
   CHECK_NEAR(growth < 1 + 1e-7 ? PetscMax(1, symbol->growth) : symbol->growth, growth, growth < 1 + 1e-7 ? 1e-7 : 1e-8);
   if (fabs(symbol->growth - growth) > 1e-7) fprintf(stderr, "%s\n", row);
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   if (growth > (size > 1 ? LEAST_ON_RANKS : LEAST) && scene->step.drift[0].value == 0) {
     MpmRun *run;
 
@@ -200,13 +199,12 @@ static PetscErrorCode CheckClosedForms(void)
 
 static PetscErrorCode Test(int argc, char **argv)
 {
-  PetscMPIInt size;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
 
   PetscFunctionBegin;
   PetscCheck(argc > 1, PETSC_COMM_WORLD, PETSC_ERR_USER, "prestress FILE");
   PetscCall(SlepcInitializeNoArguments());
   PetscCall(OracleGrowthNonlinear(argv[1], 43, CheckRow));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   CHECK(marched >= (size > 1 ? 3 : 10), "%d rows measured by marches", (int)marched);
   PetscCall(CheckRings());
   for (int f = 0; f < 4; f++) PetscCall(CheckIsothermal((const char *const[]){"usl", "musl", "usf", "usavg"}[f]));

@@ -395,12 +395,11 @@ static PetscErrorCode CheckAlone(void)
 
 static PetscErrorCode Test(int argc, char **argv)
 {
-  PetscMPIInt size;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
 
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(Check("-cells 24 -counts 2,1,3,0,0,0,1 -jitter 0.7 -drift -0.2360679775 -basis quadratic", 0));
   PetscCall(Check("-cells 24 -ppc 2 -jitter 0.4 -boundary fixed,free", 0));
   PetscCall(Check("-dim 2 -cells 8 -ppc 1 -jitter 0.9 -drift 0.3819660113,0.2360679775 -basis quadratic", 1.0 / 4));

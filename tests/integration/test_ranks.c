@@ -89,14 +89,12 @@ static PetscErrorCode CheckConservation(const MpmScene *scene, const MpmMarch *m
 
 static PetscErrorCode Holds(const char formulation[], const char rest[], PetscBool migrates)
 {
-  char        options[512];
-  MpmScene   *scene;
-  MpmMarch   *march;
-  PetscMPIInt size;
+  char      options[512];
+  MpmScene *scene;
+  MpmMarch *march;
 
   PetscFunctionBegin;
   PetscCall(PetscSNPrintf(options, sizeof options, "-formulation %s -initial random %s", formulation, rest));
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   PetscCall(CheckScene(options, &scene));
   PetscCall(MarchScene(PETSC_COMM_WORLD, scene, &march));
   CHECK((march->migrations > 0) == migrates, "%s: %lld migrations", options, (long long)march->migrations);

@@ -98,16 +98,15 @@ static PetscErrorCode Test(int argc, char **argv)
       "-cells 12 -viscosity 0.2 -grid_damping 0.3 -courant 0.9",
       "-cells 13 -boundary fixed_reaction,free -jitter 0.6 -viscosity 0.1 -grid_damping 0.2 -courant 0.4",
   };
-  char        options[512];
-  PetscInt    tried = 0;
-  PetscMPIInt size;
-  PetscBool   turn = PETSC_FALSE;
+  char              options[512];
+  PetscInt          tried = 0;
+  const PetscMPIInt size  = MpmRanksOf(PETSC_COMM_WORLD);
+  PetscBool         turn  = PETSC_FALSE;
 
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
   PetscCall(SlepcInitializeNoArguments());
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   for (PetscInt f = 0; MpmFormulations[f]; f++)
     for (PetscInt t = 0; MpmTransfers[t]; t++)
       for (PetscInt b = 0; MpmBases[b]; b++)

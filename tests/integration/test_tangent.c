@@ -17,10 +17,9 @@
 
 static PetscErrorCode HasTurn(PetscInt i, PetscBool *turn)
 {
-  PetscMPIInt size;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   *turn = i % (size > 1 ? FEWER * size : 1) == 0 ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }

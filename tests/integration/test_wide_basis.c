@@ -375,13 +375,12 @@ static PetscErrorCode CheckLimits(void)
 
 static PetscErrorCode Test(int argc, char **argv)
 {
-  PetscMPIInt size;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
 
   PetscFunctionBegin;
   (void)argc;
   (void)argv;
   PetscCall(SlepcInitializeNoArguments());
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   CheckWeights();
   PetscCall(CheckRefusals());
   PetscCall(CheckMarches());

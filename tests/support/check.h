@@ -27,10 +27,9 @@ static int check_failures;
 */
 static inline PetscErrorCode CheckHasTurn(PetscInt i, PetscBool *turn)
 {
-  PetscMPIInt size;
+  const PetscMPIInt size = MpmRanksOf(PETSC_COMM_WORLD);
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_size(PETSC_COMM_WORLD, &size));
   *turn = i % size == 0 ? PETSC_TRUE : PETSC_FALSE;
   PetscFunctionReturn(PETSC_SUCCESS);
 }
